@@ -1,10 +1,9 @@
 import assert from 'node:assert/strict';
 import { after, test } from 'node:test';
-import { setTimeout } from 'node:timers/promises';
 
 import { tellRecording } from '../stand_in_api';
 import { makePrompt } from '../stand_in_server';
-import { closeBrowser, kDesktop, kFakeLens, kPatience, kPhone, kWaiting, openVisit, skipReason, withServer, type Visit } from './harness';
+import { closeBrowser, gets, kDesktop, kFakeLens, kPhone, kWaiting, openVisit, skipReason, until, withServer, type Visit } from './harness';
 import { recordSpeech, speaks, spoken, voicesUsed, type Voice } from './person';
 
 after(closeBrowser);
@@ -111,7 +110,7 @@ test('ask and hear by keyboard alone: the screen reader gets each answer once', 
   assert.equal(announced.filter((one) => one === 'You are in the kitchen.').length, 1);
   assert.equal((await visit.accessibleTexts()).filter((one) => one === 'You are in the kitchen.').length, 1);
   assert.deepEqual(await spoken(visit), [], 'never both ways');
-  assert.deepEqual(server.newest('device').asked.map((one) => one['question']), ['where_am_i', 'around_me']);
+  await gets(() => server.newest('device').asked.map((one) => one['question']), ['where_am_i', 'around_me']);
   await visit.close();
 }));
 
@@ -211,7 +210,7 @@ test('find: by typing and by the list; what is asked again is repeated', options
   await visit.type('my keys');
   await visit.page.keyboard.press('Enter');
   await visit.hears('The my keys is two metres');
-  assert.deepEqual(server.newest('device').asked.map((one) => one['thing']), ['microwave', 'my keys']);
+  await gets(() => server.newest('device').asked.map((one) => one['thing']), ['microwave', 'my keys']);
   await visit.press('Repeat');
   await visit.hears('You are in the kitchen.');
   await visit.close();
@@ -245,7 +244,7 @@ test('places: one is marked with a name or without, gone back to, renamed, forgo
   await visit.press('my chair');
   const asked = (): unknown[] => server.newest('device').asked.map((one) => [one['question'], one['spot'] ?? one['thing'] ?? null, one['name'] ?? null]);
   await visit.hears('You are in the kitchen.');
-  assert.deepEqual(asked(), [
+  await gets(asked, [
     ['mark_spot', 'my desk', null], ['mark_spot', null, null], ['take_me_back', null, null], ['rename_spot', 'my chair', 'my seat'],
     ['forget_spot', 'my chair', null], ['take_me_to', 'my chair', null],
   ]);
@@ -272,7 +271,7 @@ test('a question in one\'s own words, typed; whoever asks for a way is led', opt
   await visit.page.keyboard.press('Enter');
   await visit.hears('You asked: take me to the bed.');
   assert.equal(await isLed(), true);
-  assert.deepEqual(server.newest('device').asked.map((one) => [one['question'], one['text']]), [
+  await gets(() => server.newest('device').asked.map((one) => [one['question'], one['text']]), [
     ['in_words', 'where are my keys'], ['in_words', 'take me to the bed'],
   ]);
   await visit.close();
@@ -292,12 +291,13 @@ test('a question in one\'s own words, spoken, where the phone itself understands
   await visit.sees('this phone understands you by itself', '.hint');
   await visit.page.keyboard.press('Escape');
   await visit.press('Speak');
+  await visit.sees('Listening…', '.speak[aria-pressed=true]');
   await says('');
   await visit.hears('I did not understand.');
   assert.deepEqual(await visit.page.evaluate(() => (window as unknown as { heardBy: unknown }).heardBy), [
     { lang: 'en-US', processLocally: true }, { lang: 'en-US', processLocally: true },
   ]);
-  assert.deepEqual(server.newest('device').asked.map((one) => one['text']), ['Where is the sofa']);
+  await gets(() => server.newest('device').asked.map((one) => one['text']), ['Where is the sofa']);
   await visit.close();
 }));
 
@@ -314,7 +314,7 @@ test('naming the room in which one stands, while this device records', options, 
   await visit.press('Name this room');
   await visit.press('kitchen');
   await visit.hears('This room is called kitchen now.');
-  assert.equal(server.newest('device').asked[0]?.['room'], 'kitchen');
+  await gets(() => server.newest('device').asked[0]?.['room'], 'kitchen');
   tellRecording(server, 'saved', 17, 'evening', 3);
   await visit.hears('The recording is saved.');
   assert.equal((await visit.announced()).filter((one) => one.includes('saved')).length, 1);
@@ -328,7 +328,7 @@ test('quiet silences what nobody asked for, and is told to the computer', option
   await visit.press('Quiet');
   await speaks(visit, 'I only answer now.');
   await until(() => server.newest('device').told.length > 0);
-  assert.deepEqual(server.newest('device').told.pop(), { type: 'quiet', on: true });
+  await gets(() => server.newest('device').told.at(-1), { type: 'quiet', on: true });
   assert.equal(await visit.page.$eval('.question.quiet', (one) => one.getAttribute('aria-pressed')), 'true');
   server.tell('device', makePrompt({ key: 'entered', text: 'Bathroom.', priority: 'callout' }));
   server.tell('device', makePrompt({ key: 'stairs', text: 'Stop!', priority: 'hazard', sound: 'alert' }));
@@ -362,7 +362,7 @@ test('frames flow one by one, and a frame that is not acknowledged holds the nex
   const visit = await openVisit(server, { role: 'device', size: kPhone });
   await start(visit, 'reader');
   await until(() => server.newest('device').frames >= 3);
-  assert.deepEqual(server.newest('device').hello?.camera, { width: 640, height: 480, lens: kFakeLens });
+  await gets(() => server.newest('device').hello?.camera, { width: 640, height: 480, lens: kFakeLens });
   server.acknowledges = false;
   const client = server.newest('device');
   await visit.hears('The connection is lost.');
@@ -452,7 +452,7 @@ test('no camera is said, and questions still work', options, () => withServer(as
   await visit.sees('No camera', '.chip');
   await visit.press('Where am I');
   await visit.hears('You are in the kitchen.');
-  assert.equal(server.newest('device').hello?.camera, null);
+  await gets(() => server.newest('device').hello?.camera, null);
   await visit.close();
 }));
 
@@ -524,15 +524,15 @@ test('settings: steps, German; they are kept, and told to the computer', options
   await visit.sees('Who speaks');
   await visit.page.click('input[value=steps]');
   await until(() => server.newest('device').told.length > 0);
-  assert.deepEqual(server.newest('device').told[0], {
+  await gets(() => server.newest('device').told[0], {
     type: 'settings', language: 'en', distances: 'steps', step_m: 0.7, callouts: true,
   });
   await Promise.all([visit.page.waitForNavigation(), visit.page.click('button[lang=de]')]);
   await visit.sees('Wer soll sprechen?');
   await visit.press('Los');
   await visit.sees('Verbunden', '.chip');
-  assert.equal(server.newest('device').hello?.language, 'de');
-  assert.equal(server.newest('device').hello?.distances, 'steps');
+  await gets(() => server.newest('device').hello?.language, 'de');
+  await gets(() => server.newest('device').hello?.distances, 'steps');
   await visit.close();
 }));
 
@@ -603,19 +603,3 @@ test('the first load is small and stays in the home', options, () => withServer(
   console.log(`# first load of /device: ${visit.bytes} bytes`);
   await visit.close();
 }));
-
-// Polls a condition of the stand-in.
-async function until(holds: () => boolean): Promise<void> {
-  const given = Date.now() + kPatience;
-  const holdsNow = (): boolean => {
-    try {
-      return holds();
-    } catch {
-      return false; // the page connects anew
-    }
-  };
-  while (!holdsNow() && Date.now() < given) {
-    await setTimeout(1);
-  }
-  assert.ok(holds(), 'the computer did not get what it waits for');
-}

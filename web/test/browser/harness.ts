@@ -3,6 +3,8 @@
 import axe from 'axe-core';
 import assert from 'node:assert/strict';
 import { existsSync } from 'node:fs';
+import { setTimeout } from 'node:timers/promises';
+import { isDeepStrictEqual } from 'node:util';
 import puppeteer, { type Browser, type LaunchOptions, type Page, type SerializedAXNode } from 'puppeteer-core';
 
 import type { Role } from '../../src/shared/protocol';
@@ -42,6 +44,27 @@ const kPreferences = {
 
 // By the clock and not by drawing, which a page in the background does not do.
 export const kWaiting = { polling: 100 } as const;
+
+// Waits until a condition of the stand-in holds.
+export async function until(holds: () => boolean): Promise<void> {
+  const given = Date.now() + kPatience;
+  const holdsNow = (): boolean => {
+    try {
+      return holds();
+    } catch {
+      return false; // the page connects anew
+    }
+  };
+  while (!holdsNow() && Date.now() < given) {
+    await setTimeout(1);
+  }
+  assert.ok(holds(), 'the computer did not get what it waits for');
+}
+
+// Waits until the stand-in got what was expected: the page may still be sending it when it shows the next thing.
+export async function gets<T>(got: () => T, expected: T, words?: string): Promise<void> {
+  await until(() => isDeepStrictEqual(got(), expected)).catch(() => assert.deepEqual(got(), expected, words));
+}
 
 export function launchBrowser(more: LaunchOptions = {}): Promise<Browser> {
   if (kIsFirefox) {

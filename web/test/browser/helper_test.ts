@@ -6,7 +6,7 @@ import { after, test } from 'node:test';
 
 import { drawnRoom } from '../drawn_picture';
 import { kSecret, tellJob, tellRecording } from '../stand_in_api';
-import { closeBrowser, kDesktop, kPhone, openVisit, skipReason, withServer } from './harness';
+import { closeBrowser, gets, kDesktop, kPhone, openVisit, skipReason, withServer } from './harness';
 import { goTo, heardOnce, retype } from './person';
 
 after(closeBrowser);
@@ -61,7 +61,7 @@ test('the code may come in the address, and leaves it', options, () => withServe
   const visit = await openVisit(server);
   await visit.go('/pair#314159');
   await visit.sees('Pair this device');
-  assert.equal(visit.page.url(), `${server.url}/pair`);
+  await gets(() => visit.page.url(), `${server.url}/pair`);
   assert.equal(await visit.focused(), 'Pair');
   await visit.page.keyboard.press('Enter');
   await visit.sees('Our flat', 'h1');
@@ -73,7 +73,7 @@ test('a link needs no digits, and says so where it is over', options, () => with
   const visit = await openVisit(server);
   await visit.go(`/pair#${'x'.repeat(22)}`);
   await visit.sees('Opened from the code');
-  assert.equal(visit.page.url(), `${server.url}/pair`);
+  await gets(() => visit.page.url(), `${server.url}/pair`);
   assert.equal(await visit.focused(), 'Pair');
   assert.equal(await visit.page.$('.code'), null);
   await visit.page.keyboard.press('Enter');
@@ -93,7 +93,7 @@ test('revoking a device asks first, and is said once', options, () => withServer
   await visit.sees('Remove Chest camera?', 'dialog');
   await visit.press('Remove');
   await heardOnce(visit, 'Chest camera is removed.');
-  assert.deepEqual(server.state.requests, ['DELETE /api/devices/4']);
+  await gets(() => server.state.requests, ['DELETE /api/devices/4']);
   assert.notEqual(await visit.focused(), '');
   await visit.close();
 }));
@@ -127,7 +127,7 @@ test('renaming a room, what is wrong beside its field, and deleting it', options
   await visit.page.keyboard.press('Enter');
   await heardOnce(visit, 'The room cookery is saved.');
   await visit.sees('cookery', 'h3');
-  assert.equal(server.state.requests.pop(), 'PUT /api/rooms/kitchen {"name":"cookery"}');
+  await gets(() => server.state.requests.at(-1), 'PUT /api/rooms/kitchen {"name":"cookery"}');
   await visit.press('Delete cookery');
   await visit.press('Delete');
   await heardOnce(visit, 'The room cookery is deleted.');
@@ -146,7 +146,7 @@ test('correcting and removing a thing', options, () => withServer(async (server)
   await visit.press('Remove');
   await heardOnce(visit, 'Removed: sink.');
   await visit.sees('4 rooms, 9 things');
-  assert.deepEqual(server.state.requests, ['PUT /api/things/5 {"name":"sink"}', 'DELETE /api/things/5']);
+  await gets(() => server.state.requests, ['PUT /api/things/5 {"name":"sink"}', 'DELETE /api/things/5']);
   await visit.close();
 }));
 
@@ -170,7 +170,7 @@ test('naming a room on the walk by keyboard alone', options, () => withServer(as
   await visit.page.keyboard.press('Enter');
   await heardOnce(visit, 'Pictures 19 to 24 are bedroom now.');
   await visit.sees('Pictures 19 to 24, 0:23 to 0:29: bedroom', '.ranges');
-  assert.match(server.state.requests.pop() ?? '', /^PUT \/api\/recordings\/1\/rooms .*\{"first":72,"last":95,"room":"bedroom"\}\]\}$/);
+  assert.match(server.state.requests.at(-1) ?? '', /^PUT \/api\/recordings\/1\/rooms .*\{"first":72,"last":95,"room":"bedroom"\}\]\}$/);
   await visit.press('Remove Pictures 7 to 12, 0:07 to 0:14: kitchen');
   await heardOnce(visit, 'Pictures 7 to 12 have no name any more.');
   await visit.close();
@@ -218,7 +218,7 @@ test('recording a walk: started, watched, stopped', options, () => withServer(as
   tellRecording(server, 'saved', 17);
   await visit.page.waitForFunction(() => document.activeElement?.textContent === 'Start recording');
   assert.ok(!(await visit.accessibleTexts()).includes('Stop recording'), 'nothing is recorded any more');
-  assert.deepEqual(server.state.requests, ['POST /api/recording {"device":3,"name":"evening"}', 'POST /api/recording/stop']);
+  await gets(() => server.state.requests, ['POST /api/recording {"device":3,"name":"evening"}', 'POST /api/recording/stop']);
   await visit.close();
 }));
 
@@ -278,7 +278,7 @@ test('forgetting needs the home’s name, typed', options, () => withServer(asyn
   await visit.type('Our flat');
   await visit.page.keyboard.press('Enter');
   await heardOnce(visit, 'Everything is forgotten.');
-  assert.deepEqual(server.state.requests, ['DELETE /api/home {"really":"Our flat"}']);
+  await gets(() => server.state.requests, ['DELETE /api/home {"really":"Our flat"}']);
   await goTo(visit, 'The home', 'The home');
   await visit.sees('Nothing is known of this home yet.');
   await visit.sees('There is no map yet.', '.stage-note');
@@ -294,7 +294,7 @@ test('forgetting a room and a walk', options, () => withServer(async (server) =>
     await visit.press(what);
     await heardOnce(visit, said);
   }
-  assert.deepEqual(server.state.requests, ['DELETE /api/rooms/corridor', 'POST /api/edits {"what":"take walk away","walk":1}']);
+  await gets(() => server.state.requests, ['DELETE /api/rooms/corridor', 'POST /api/edits {"what":"take walk away","walk":1}']);
   await visit.close();
 }));
 

@@ -7,7 +7,7 @@ import { after, test } from 'node:test';
 import type { ElementHandle } from 'puppeteer-core';
 
 import { drawnRoom } from '../drawn_picture';
-import { closeBrowser, kPatience, kPhone, kWaiting, openVisit, skipReason, withServer, type Visit } from './harness';
+import { closeBrowser, gets, kPatience, kPhone, kWaiting, openVisit, skipReason, withServer, type Visit } from './harness';
 import { goTo, heardOnce } from './person';
 
 const folder = mkdtempSync(join(tmpdir(), 'roomwise-'));
@@ -110,7 +110,7 @@ test('a turn on the spot: dark, blurred and doubled photos are refused with the 
   await visit.sees('kitchen: 3 photos');
   // The camera is off; what plays it notices that when it draws next.
   await visit.page.waitForFunction(() => (window as unknown as { turning: World }).turning.stopped, kWaiting);
-  assert.equal(server.state.photos.get('kitchen'), 3);
+  await gets(() => server.state.photos.get('kitchen'), 3);
   await visit.press('Learn now');
   await heardOnce(visit, 'Learning has started.');
   await visit.press('Remove kitchen');
@@ -134,7 +134,7 @@ test('photos that are there already are checked alike, and what is refused is na
   await visit.sees('bad.jpg: This is no picture that the browser can read.', '[role=alert]');
   await visit.sees('dining kitchen: 1 photo, 2 more are needed');
   await visit.hears('1 photo. Turn a little');
-  assert.equal(server.state.photos.get('dining kitchen'), 1);
+  await gets(() => server.state.photos.get('dining kitchen'), 1);
   await visit.assertAccessible('photos that are there');
   await visit.close();
 }));

@@ -6,7 +6,7 @@ import { inflateSync } from 'node:zlib';
 import { tellJob, tellRecording } from '../stand_in_api';
 import type { Client, StandInServer } from '../stand_in_server';
 import { madeUpXr, noXr, type XrWorld } from '../made_up_xr';
-import { closeBrowser, kPatience, kPhone, kWaiting, openVisit, skipReason, withServer, type Visit } from './harness';
+import { closeBrowser, gets, kPatience, kPhone, kWaiting, openVisit, skipReason, withServer, type Visit } from './harness';
 import { speaks, recordSpeech } from './person';
 
 after(closeBrowser);
@@ -112,7 +112,7 @@ test('a walk is recorded by the phone’s own browser, by keyboard and ear alone
   await visit.sees('Where am I', '.question');
   assert.equal(await visit.focused(), 'Where am I');
   await visit.sees('Camera sees', '.chip');
-  assert.equal(server.state.requests.filter((one) => one === 'POST /api/recording/stop').length, 1);
+  await gets(() => server.state.requests.filter((one) => one === 'POST /api/recording/stop').length, 1);
   await visit.close();
 }));
 
@@ -153,7 +153,7 @@ test('a view that is closed lets the recording wait; it is gone on with, or ende
   await visit.press('Record the home');
   await visit.sees('Stop recording', '.walk');
   await frameOf(server, 'helper');
-  assert.equal(server.state.requests.filter((one) => one.startsWith('POST /api/recording ')).length, 1, 'gone on with');
+  await gets(() => server.state.requests.filter((one) => one.startsWith('POST /api/recording ')).length, 1, 'gone on with');
   await visit.page.evaluate(() => (window as unknown as { xrWorld: XrWorld }).xrWorld.close());
   await visit.press('Stop recording');
   await visit.hears('The recording is saved.');

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { after, test } from 'node:test';
 
 import { tellJob } from '../stand_in_api';
-import { closeBrowser, kDesktop, kPhone, openVisit, skipReason, withServer } from './harness';
+import { closeBrowser, gets, kDesktop, kPhone, openVisit, skipReason, withServer } from './harness';
 import { goTo, heardOnce } from './person';
 
 after(closeBrowser);
@@ -33,7 +33,7 @@ for (const [size, name] of [[kDesktop, 'desktop'], [kPhone, 'phone'], [{ width: 
     await visit.sees('It cannot be taken back.', 'dialog');
     await visit.press('Erase now');
     await heardOnce(visit, 'It is erased.');
-    assert.deepEqual(server.state.requests, [
+    await gets(() => server.state.requests, [
       'POST /api/edits {"what":"take walk away","walk":1}', 'DELETE /api/edits/1', 'POST /api/edits {"what":"take walk away","walk":1}', 'POST /api/erase',
     ]);
     assert.ok(!(await visit.accessibleTexts()).includes('What is erased soon'));
@@ -58,6 +58,6 @@ test('a map that was stopped is gone on with by a button', options, () => withSe
   tellJob(server, 'stopped', 0.4, 'stopped', 'map');
   await visit.press('Go on with the map');
   await heardOnce(visit, 'The map is gone on with.');
-  assert.deepEqual(server.state.requests, ['POST /api/job/go_on']);
+  await gets(() => server.state.requests, ['POST /api/job/go_on']);
   await visit.close();
 }));
