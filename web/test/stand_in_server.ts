@@ -41,6 +41,7 @@ export class StandInServer {
   readonly clients: Client[] = [];
   acknowledges = true;
   answersQuestions = true;
+  before = ''; // a script that every page runs before its own
   silent = false; // as when the network is dead: connections stay, and nothing comes any more
   private server: Server | null = null;
   private port = 0;
@@ -148,6 +149,11 @@ export class StandInServer {
     return this.state.roleOf(token);
   }
 
+  private withScriptBefore(file: string, bytes: Buffer): Buffer {
+    return this.before === '' || extname(file) !== '.html' ? bytes
+      : Buffer.from(bytes.toString().replace('<head>', '<head><script src="/before.js"></script>'));
+  }
+
   private async handle(request: IncomingMessage, response: ServerResponse): Promise<void> {
     if (this.silent) {
       return;
@@ -164,7 +170,7 @@ export class StandInServer {
     }
     try {
       const file = kPages[path] ?? normalize(path);
-      const bytes = await readFile(join(this.pages, file));
+      const bytes = path === '/before.js' ? Buffer.from(this.before) : this.withScriptBefore(file, await readFile(join(this.pages, file)));
       response.writeHead(200, {
         'Content-Type': kTypes[extname(file)] ?? 'application/octet-stream',
         'Content-Security-Policy': kPolicy, 'X-Content-Type-Options': 'nosniff', 'Cache-Control': 'no-cache',

@@ -24,6 +24,13 @@ export function openDialog(title: string, content: readonly Child[], closed: () 
     }
     closed();
   });
+  // By itself not from a field for searching in WebKit, which empties that instead.
+  element.addEventListener('keydown', (event) => {
+    if (event.key === 'Escape' && !event.defaultPrevented && !event.isComposing) {
+      event.preventDefault();
+      close();
+    }
+  });
   document.body.append(element);
   element.showModal();
   (element.querySelector<HTMLElement>('[autofocus]') ?? element.querySelector<HTMLElement>('h2'))?.focus();

@@ -9,11 +9,28 @@ import puppeteer, { type Browser, type LaunchOptions, type Page, type Serialized
 
 import type { Role } from '../../src/shared/protocol';
 import { StandInServer } from '../stand_in_server';
+import { WebKitPage } from './webkit';
 
-// ROOMWISE_BROWSER=firefox: the same tests in Firefox, by WebDriver BiDi.
-export const kIsFirefox = process.env['ROOMWISE_BROWSER'] === 'firefox';
-const kPlaces = kIsFirefox ? ['/usr/bin/firefox-esr', '/usr/bin/firefox']
-  : ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
+// ROOMWISE_BROWSER=firefox: the same tests in Firefox, by WebDriver BiDi; webkit: those of the phone's page in WebKitGTK, by WebDriver,
+// where there is a display (xvfb-run).
+const kBrowser = process.env['ROOMWISE_BROWSER'] ?? 'chromium';
+export const kIsFirefox = kBrowser === 'firefox';
+export const kIsWebKit = kBrowser === 'webkit';
+const kKinds: Record<string, { variable: string; package: string; lens: string; places: string[] }> = {
+  chromium: {
+    variable: 'ROOMWISE_CHROMIUM', package: 'chromium', lens: 'fake_device_0',
+    places: ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'],
+  },
+  firefox: {
+    variable: 'ROOMWISE_FIREFOX', package: 'firefox-esr', lens: 'Default Video Device', places: ['/usr/bin/firefox-esr', '/usr/bin/firefox'],
+  },
+  webkit: {
+    variable: 'ROOMWISE_WEBKIT', package: 'webkit2gtk-driver', lens: 'Mock video device 2',
+    places: ['x86_64', 'aarch64'].map((machine) => `/usr/lib/${machine}-linux-gnu/webkit2gtk-4.1/MiniBrowser`),
+  },
+};
+const kKind = kKinds[kBrowser];
+assert.ok(kKind, `ROOMWISE_BROWSER is '${kBrowser}'; chromium, firefox or webkit`);
 export const kPages = process.env['ROOMWISE_WEB'] ?? '';
 export const kPhone = { width: 360, height: 740 };
 export const kDesktop = { width: 1280, height: 900 };
@@ -21,19 +38,18 @@ export const kPatience = 120_000; // ms; on a busy machine
 const kTags = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'];
 
 function program(): string | null {
-  const named = process.env[kIsFirefox ? 'ROOMWISE_FIREFOX' : 'ROOMWISE_CHROMIUM'] ?? '';
-  return [named, ...kPlaces].find((place) => place !== '' && existsSync(place)) ?? null;
+  const { variable, places } = kKind as (typeof kKinds)[string];
+  return [process.env[variable] ?? '', ...places].find((place) => place !== '' && existsSync(place)) ?? null;
 }
 
 // For `test(name, {skip: skipReason}, ...)`.
-export const skipReason: string | false = program() === null && (kIsFirefox
-  ? 'no firefox found: install it (apt-get install firefox-esr), or name the program in ROOMWISE_FIREFOX'
-  : 'no chromium found: install it (apt-get install chromium), or name the program in ROOMWISE_CHROMIUM');
+export const skipReason: string | false = program() === null
+  && `no ${kBrowser} found: install it (apt-get install ${kKind.package}), or name the program in ${kKind.variable}`;
 // As the browser calls its made-up camera.
-export const kFakeLens = kIsFirefox ? 'Default Video Device' : 'fake_device_0';
-// Of tests of what Firefox does not have, or does not tell.
-export function notInFirefox(why: string): string | false {
-  return skipReason || (kIsFirefox && `not in Firefox: ${why}`);
+export const kFakeLens = kKind.lens;
+// Of tests of what other browsers do not have, or do not tell.
+export function onlyInChromium(why: string): string | false {
+  return skipReason || ((kIsFirefox || kIsWebKit) && `not in ${kBrowser}: ${why}`);
 }
 
 // A made-up camera and microphone, nobody asked for them; movements reduced.
@@ -100,6 +116,7 @@ function sharedBrowser(): Promise<Browser> {
 }
 
 export async function closeBrowser(): Promise<void> {
+  WebKitPage.closeAll();
   await (await browser)?.close();
   browser = null;
 }
@@ -162,12 +179,12 @@ export class Visit {
       },
       { ...kWaiting, timeout: kPatience }, name,
     ).catch(() => assert.fail(`there is no control '${name}' on the page`));
-    // In Firefox the way round from the last control to the first leads through its own, from which keys do not come back here.
+    // Elsewhere than in Chromium the way round from the last control to the first leads through the browser's own, from which keys do not come back here.
     const where = await place.jsonValue();
     if (where === 'here') {
       return;
     }
-    const isBack = kIsFirefox && where === 'before';
+    const isBack = (kIsFirefox || kIsWebKit) && where === 'before';
     const passed: string[] = [];
     for (let i = 0; i < most; i += 1) {
       await (isBack ? this.tabBack() : this.page.keyboard.press('Tab'));
@@ -196,9 +213,9 @@ export class Visit {
     });
   }
 
-  // All static texts of the accessibility tree; of Firefox, which does not hand it out, all that is shown and not hidden from it.
+  // All static texts of the accessibility tree; where the browser does not hand it out, all that is shown and not hidden from it.
   async accessibleTexts(): Promise<string[]> {
-    if (kIsFirefox) {
+    if (kIsFirefox || kIsWebKit) {
       return this.page.evaluate(() => {
         const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
         const texts: string[] = [];
@@ -248,7 +265,12 @@ export class Visit {
   }
 
   async close(): Promise<void> {
-    await this.page.browserContext().close(); // with its service worker and its sockets
+    if (kIsWebKit) {
+      this.failures.push(...await this.page.evaluate(() => (window as unknown as { errors?: string[] }).errors ?? []));
+      await this.page.close();
+    } else {
+      await this.page.browserContext().close(); // with its service worker and its sockets
+    }
     assert.deepEqual(this.outside, [], 'requests that leave the home');
     assert.deepEqual(this.failures, [], 'errors in the page');
   }
@@ -265,6 +287,9 @@ export async function withServer(run: (server: StandInServer) => Promise<void>):
 }
 
 export async function openVisit(server: StandInServer, options: OpenOptions = {}): Promise<Visit> {
+  if (kIsWebKit) {
+    return openInWebKit(server, options);
+  }
   const visit = await openPage(await sharedBrowser(), server.url, options);
   if (options.role) {
     await visit.page.browserContext().setCookie({
@@ -297,6 +322,29 @@ export async function openPage(where: Browser, url: string, options: PageOptions
     await guard(visit);
   }
   return visit;
+}
+
+async function openInWebKit(server: StandInServer, options: OpenOptions): Promise<Visit> {
+  server.before = [keepErrors, holdDevices, listenToLiveRegions, ...[options.before ?? []].flat()].map((run) => `(${run.toString()})();`).join('\n');
+  const page = await WebKitPage.open(program() ?? '', options.size ?? kDesktop, kPatience);
+  if (options.role) {
+    await page.goto(`${server.url}/manifest.webmanifest`); // a cookie is given to the page that is open
+    await page.setCookie({ name: 'roomwise', value: server.state.pair(options.role), domain: 'localhost', path: '/', httpOnly: true, sameSite: 'Strict' });
+  }
+  return new Visit(page as unknown as Page, server.url);
+}
+
+// What the page's console would say, where nothing else tells it. It runs in the page.
+function keepErrors(): void {
+  const errors: string[] = [];
+  (window as unknown as { errors: string[] }).errors = errors;
+  window.addEventListener('error', (event) => errors.push(event.message));
+  window.addEventListener('unhandledrejection', (event) => errors.push(String(event.reason)));
+}
+
+// WebKit forgets what is set on an object that nobody holds. It runs in the page.
+function holdDevices(): void {
+  (window as unknown as { devices: MediaDevices }).devices = navigator.mediaDevices;
 }
 
 async function guard(visit: Visit): Promise<void> {
