@@ -15,13 +15,11 @@ constexpr double kLegEnd_m = 0.35;     // half a step before a leg's end one is 
 constexpr double kAtEnd_m = 0.22;      // a foot's length from the way's end one is there
 constexpr double kSmallStep_m = 0.45;  // a whole one would lead past it
 constexpr double kSlack_m = 0.05;      // of positions: whoever is told so is to be there
-constexpr double kPastEnd_m = 0.5;     // a step beyond it
 constexpr double kHand_m = 0.7;        // beside the way a hand finds what stands there
 
 // What people hear, they do within a second and a half (see docs/guide.md).
-constexpr double kReaction_s = 1.0;
-constexpr double kSpoken_s = 2;    // a prompt of some words
-constexpr double kMaxGap_s = 1.5;  // older places tell nothing of where somebody is now
+constexpr double kReaction_s = 1.3;  // and the next picture tells of it
+constexpr double kMaxGap_s = 1.5;    // older places tell nothing of where somebody is now
 constexpr int kMaxTries = 4;
 constexpr double kPrecise_rad = 10 * kDegree_rad;  // where it was barred: a door's frame, mostly
 constexpr double kWalks_m_s = 0.3;                 // nobody turns on the spot so fast
@@ -86,9 +84,9 @@ std::string Guidance::distance(double distance_m) const {
 }
 
 // What will be left when it has been heard: who walks goes on meanwhile.
-double Guidance::left_when_heard_m(double distance_m) const {
+double Guidance::left_when_heard_m(double distance_m, double spoken_s) const {
   const double speed_m_s = track_.is_standing() ? 0 : pace_m_s_;
-  return distance_m - walked_since_pose_m() - speed_m_s * (kSpoken_s + kReaction_s);
+  return distance_m - walked_since_pose_m() - speed_m_s * (spoken_s + kReaction_s);
 }
 
 // A place is as old as its picture: who walks has gone on since.
@@ -457,7 +455,7 @@ std::optional<Prompt> Guidance::corner(const Pose& pose, TimestampNs now_ns) {
   const double next = legs_[leg_ + 1].heading_rad();
   const bool has_turned = std::abs(turn_rad(pose.heading_rad, next)) < 25 * kDegree_rad;
   if (has_turned && !track_.may_turn()) return act(pose, now_ns);
-  const bool is_past = left_on_leg_m(pose) - walked_since_pose_m() < -kPastEnd_m;
+  const bool is_past = left_on_leg_m(pose) - walked_since_pose_m() < -kLegEnd_m;
   if (!track_.is_standing() && is_past) return stop("guide.stop", now_ns);
   // Who was told of the turn before makes it by themselves; who stands still is told.
   const bool waits = track_.is_standing() && !track_.may_turn();
@@ -500,11 +498,12 @@ std::optional<Prompt> Guidance::keep_on_way(const Pose& pose, TimestampNs now_ns
   return say({error > 0 ? "guide.little_left" : "guide.little_right"}, now_ns);
 }
 
-std::optional<Phrase> Guidance::next_phrase(const Pose& pose) const {
+std::optional<Phrase> Guidance::next_phrase(const Pose& pose, double spoken_s) const {
   if (legs_.empty()) return std::nullopt;
   const Leg& leg = legs_[leg_];
   if (leg.stairs) return stairs_phrase(*leg.stairs, wording_.phrases());
-  const std::string left = distance(left_when_heard_m((leg.to - pose.position_gravity).norm()));
+  const std::string left =
+      distance(left_when_heard_m((leg.to - pose.position_gravity).norm(), spoken_s));
   if (is_last_leg()) {
     if (plan_.reach == Reach::kNear) return Phrase{"guide.soon_end", {{"distance", left}}};
     return Phrase{"guide.soon_goal", {{"distance", left}, {"goal", Nouns{goal_.noun}}}};
@@ -528,7 +527,12 @@ std::optional<Prompt> Guidance::announce(const Pose& pose, TimestampNs now_ns) {
   const auto phrase = next_phrase(pose);
   if (!phrase) return std::nullopt;
   announced_ = true;
-  return say(*phrase, now_ns);
+  // A turn that is too near to be acted on is not announced: they know how many steps it is to
+  // there, and are told of it then. Who hears of it while walking counts those steps anew.
+  const double spoken_s = speaking_s(wording_.phrases().text(phrase->message, phrase->values));
+  const bool may_wait = !is_last_leg() && !is_next_leg_stairs();
+  if (may_wait && left_when_heard_m(left_m, spoken_s) < kSmallStep_m) return std::nullopt;
+  return say(*next_phrase(pose, spoken_s), now_ns);
 }
 
 // Has been told to stop: hears what to do as soon as they stand.

@@ -90,6 +90,7 @@ class Guidance {
   [[nodiscard]] std::optional<Eigen::Vector2d> next_place() const;
 
  private:
+  static constexpr double kSpoken_s = 2;  // a prompt of some words
   using MaybePrompt = std::optional<Prompt>;
   [[nodiscard]] Prompt say(const Phrase& phrase, TimestampNs now_ns,
                            Confidence confidence = Confidence::kSure, double valid_s = 2);
@@ -114,7 +115,7 @@ class Guidance {
   [[nodiscard]] MaybePrompt hazard(const Walker& walker);
   [[nodiscard]] MaybePrompt finish(TimestampNs now_ns);
   [[nodiscard]] const KnownThing* thing_between(const Eigen::Vector2d& from) const;
-  [[nodiscard]] double left_when_heard_m(double distance_m) const;
+  [[nodiscard]] double left_when_heard_m(double distance_m, double spoken_s = kSpoken_s) const;
   [[nodiscard]] double walked_since_pose_m() const;
   void keep_pace();
   [[nodiscard]] Prompt arrive_or_stop(const Pose& pose, TimestampNs now_ns);
@@ -143,7 +144,8 @@ class Guidance {
   [[nodiscard]] bool is_last_leg() const { return leg_ + 1 >= legs_.size(); }
   // What a hand finds at the end of the leg.
   [[nodiscard]] std::optional<Noun> place_at_end(const Leg& leg, bool is_last) const;
-  [[nodiscard]] std::optional<Phrase> next_phrase(const Pose& pose) const;
+  [[nodiscard]] std::optional<Phrase> next_phrase(const Pose& pose,
+                                                  double spoken_s = kSpoken_s) const;
   [[nodiscard]] std::string distance(double distance_m) const;
   [[nodiscard]] bool is_speaking(TimestampNs now_ns) const { return now_ns < silent_from_ns_; }
   [[nodiscard]] double silent_for_s(TimestampNs now_ns) const {

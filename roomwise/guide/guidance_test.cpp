@@ -104,7 +104,7 @@ class GuidanceTest : public ::testing::Test {
 
 TEST_F(GuidanceTest, BeginsByWhereOneStandsAndThenOneActionAtATime) {
   lead_to(room("kitchen"), {1, 3.45}, kPi);
-  EXPECT_THAT(hear(9), ElementsAre("To the kitchen: about 8 steps.", "The door is behind you.",
+  EXPECT_THAT(hear(9), ElementsAre("To the kitchen: about 7 steps.", "The door is behind you.",
                                    "Turn around."));
   EXPECT_EQ(guidance_->state(), State::kTurning);
   EXPECT_THAT(hear(2, 0, kPi / 2), IsEmpty()) << "while one turns";
@@ -114,12 +114,12 @@ TEST_F(GuidanceTest, BeginsByWhereOneStandsAndThenOneActionAtATime) {
 
 TEST_F(GuidanceTest, ADoorThatOneWalksThroughIsAnnouncedAndPassed) {
   lead_to(room("kitchen"), {1, 3.45}, 0);
-  EXPECT_THAT(hear(7), ElementsAre("To the kitchen: about 8 steps.", "The door is ahead of you.",
+  EXPECT_THAT(hear(7), ElementsAre("To the kitchen: about 7 steps.", "The door is ahead of you.",
                                    "Straight on, 6 steps to the door."));
   const auto said = hear(8, 0.6);
   ASSERT_EQ(said.size(), 3u);
   EXPECT_EQ(said[2], "You are there, in the kitchen.");
-  EXPECT_EQ(said[0], "In 3 steps: through the door.") << "when it has been heard";
+  EXPECT_EQ(said[0], "In 2 steps: through the door.") << "when it has been heard";
   EXPECT_THAT(said[1], StartsWith("Through the door, "));
   EXPECT_EQ(guidance_->state(), State::kArrived);
   EXPECT_THAT(hear(20), IsEmpty());
@@ -138,6 +138,20 @@ TEST_F(GuidanceTest, TheNextActionIsAnnouncedOneAndAHalfToThreeMetresBefore) {
     }
   }
   FAIL() << "nothing was announced";
+}
+
+TEST_F(GuidanceTest, ATurnThatIsTooNearToBeActedOnIsToldWhereItIs) {
+  const double door_x = layout_.doorways()[0].middle_gravity.x();
+  lead_to(bed_at({7.2, 0.8}, "kitchen"), {door_x - 2.2, 3.45}, 0);
+  (void)hear(8);
+  ASSERT_EQ(guidance_->state(), State::kWalking);
+  while (guidance_->state() == State::kWalking && place_.x() < 7) {
+    for (const Prompt& prompt : go(0.2, 0.6)) {
+      EXPECT_THAT(prompt.message, ::testing::Not(StartsWith("guide.soon"))) << prompt.text;
+    }
+  }
+  EXPECT_EQ(guidance_->state(), State::kCorner);
+  EXPECT_THAT(hear(4), ::testing::Not(IsEmpty())) << "who stands is told";
 }
 
 TEST_F(GuidanceTest, ATurnThatWasAnnouncedIsNotSaidAgainToWhoMakesIt) {
@@ -372,7 +386,7 @@ TEST_F(GuidanceTest, ACameraThatIsCoveredForFiveSecondsIsToldAndTheWayGoesOn) {
 TEST_F(GuidanceTest, PausesRepeatsAndEndsByRequest) {
   lead_to(room("kitchen"), {1, 3.45}, 0);
   (void)hear(7);
-  EXPECT_EQ(ask(GuidanceRequest::kHowFar), "8 steps to the kitchen.");
+  EXPECT_EQ(ask(GuidanceRequest::kHowFar), "7 steps to the kitchen.");
   EXPECT_EQ(ask(GuidanceRequest::kNext), "In 6 steps: through the door.");
   EXPECT_EQ(ask(GuidanceRequest::kRepeat), "Straight on, 6 steps to the door.");
   EXPECT_EQ(ask(GuidanceRequest::kPause), "Paused.");

@@ -56,7 +56,7 @@ struct Goal {
 };
 
 struct PlanOptions {
-  RouteOptions room_for_a_person = {};  // its radius and comfort; farthest_goal_m is not used
+  RouteOptions room_for_a_person = {.comfort_m = 0.4};  // its farthest_goal_m is not used
   // Where nothing wider leads there: who turns their shoulders, m.
   double narrow_radius_m = 0.22;
   // From where the map says that somebody stands to free floor, where nothing is nearer, m.
@@ -68,8 +68,8 @@ struct PlanOptions {
   // the way's end is reached, m.
   double arm_m = 1.0;
   // A metre that the end lies nearer to the goal is worth so many metres of way.
-  double reach_weight = 4;
-  double into_room_m = 0.8;  // who has gone so far beyond the door is in the room
+  double reach_weight = 10;
+  double into_room_m = 0.65;  // who has gone so far beyond the door is in the room
 
   [[nodiscard]] Expected<void> validate() const;
 };

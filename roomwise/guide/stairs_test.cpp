@@ -129,7 +129,7 @@ TEST_F(StairsTest, AreStoppedBeforeAndToldWithStepsAndRailAndThenThatOneIsUpstai
   lead_to("landing", {2.5, 1}, 0);
   hear(9);
   ASSERT_EQ(guidance_->state(), Guidance::State::kWalking);
-  EXPECT_THAT(hear(4, {0.5, 0}), Contains("In 3 steps: stairs up."));
+  EXPECT_THAT(hear(4, {0.5, 0}), Contains("In 2 steps: stairs up."));
   EXPECT_THAT(hear(2, {0.5, 0}), Contains("Stop."));
   EXPECT_THAT(hear(4), Contains("Stairs up, 14 steps, rail on the right."));
   EXPECT_EQ(guidance_->state(), Guidance::State::kStairs);
