@@ -51,8 +51,8 @@ Expected<void> GuidanceOptions::validate() const {
        {std::pair{"reassure_m", reassure_m}, std::pair{"reassure_s", reassure_s},
         std::pair{"off_way_m", off_way_m}, std::pair{"off_way_degrees", off_way_degrees},
         std::pair{"off_way_s", off_way_s}, std::pair{"lost_s", lost_s},
-        std::pair{"arrived_m", arrived_m}, std::pair{"body_radius_m", body_radius_m},
-        std::pair{"remind_s", remind_s}}) {
+        std::pair{"lost_standing_s", lost_standing_s}, std::pair{"arrived_m", arrived_m},
+        std::pair{"body_radius_m", body_radius_m}, std::pair{"remind_s", remind_s}}) {
     if (!(value > 0)) return fail("{} is {}; expected more than 0", name, value);
   }
   return {};
@@ -631,7 +631,10 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
   if (state_ != State::kLost) {
     const double missing_s = std::min(track_.age_s(now_ns), seconds_between(began_ns_, now_ns));
     const bool is_new = begun_ == 0;
-    if (missing_s < (is_new ? 2 * kReaction_s : options_.lost_s)) return std::nullopt;
+    const double most_s = is_new                      ? 2 * kReaction_s
+                          : state_ == State::kWalking ? options_.lost_s
+                                                      : options_.lost_standing_s;
+    if (missing_s < most_s) return std::nullopt;
     state_ = State::kLost;
     told_room_.reset();
     reminded_ = false;

@@ -23,7 +23,9 @@ struct GuidanceOptions {
   double reassure_m = 5, reassure_s = 8;
   // Off the way: so far beside it or turned so far from it, for so long.
   double off_way_m = 1, off_way_degrees = 30, off_way_s = 2;
-  double lost_s = 4;  // without a pose
+  // Without a pose, of who was told to walk and of who stands: the slow turn that is asked for then
+  // costs more than waiting for the next picture that tells of one.
+  double lost_s = 4, lost_standing_s = 8;
   // From a person's edge to a thing that is reached, and a person's radius seen from above, m.
   double arrived_m = 0.3, body_radius_m = 0.25;
   // Who stands where there is something to do hears of it again after so long, once.

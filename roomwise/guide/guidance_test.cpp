@@ -319,6 +319,15 @@ TEST_F(GuidanceTest, WhoIsLostHearsRoomsAndNoDirections) {
   EXPECT_EQ(said[0], "I know again where you are.");
 }
 
+TEST_F(GuidanceTest, WhoStandsIsLeftInPeaceForLongerBeforeTheyAreLost) {
+  lead_to(bed_at({7.3, 0.8}, "kitchen"), {1, 3.45}, kPi);
+  (void)hear(9);
+  ASSERT_EQ(guidance_->state(), State::kTurning);
+  is_seen_ = false;
+  EXPECT_THAT(hear(7), IsEmpty());
+  EXPECT_THAT(hear(2), ElementsAre("I lost where you are. Stop and turn slowly."));
+}
+
 TEST_F(GuidanceTest, APlaceThatNobodyWalksToIsNotBelievedAtOnce) {
   lead_to(room("kitchen"), {0.6, 3.45}, 0);
   (void)hear(8);
