@@ -64,7 +64,8 @@ class ExportFormatsTest : public ::testing::Test {
     return result.errors;
   }
 
-  static constexpr std::array kKinds{"json", "colmap", "nerfstudio", "scene-graph", "mcap"};
+  static constexpr std::array kKinds{"json",        "colmap", "nerfstudio",
+                                     "scene-graph", "mcap",   "indoorgml"};
   inline static std::unique_ptr<ScratchFolder> folder_;
 };
 

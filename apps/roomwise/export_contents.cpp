@@ -7,6 +7,7 @@
 #include "open_home.h"
 #include "roomwise/base/file.h"
 #include "roomwise/pipeline/exports/home_json.h"
+#include "roomwise/pipeline/exports/indoor_gml.h"
 #include "roomwise/pipeline/exports/picture_dataset.h"
 #include "roomwise/pipeline/exports/scene_graph_json.h"
 #include "roomwise/pipeline/exports/walk_mcap.h"
@@ -141,6 +142,42 @@ Expected<Answer> export_scene_graph(const ContentsOptions& options, Context& con
   return export_contents(options, context, pipeline::scene_graph_json);
 }
 
+// What of a home its plan leaves out, in words.
+std::string left_out(const pipeline::IndoorPlan& plan, const pipeline::HomeContents& contents) {
+  std::string text = left_apart(contents);
+  if (plan.rooms_without_place > 0) {
+    text += fmt::format("{} rooms have no floor on the map: they are left out\n",
+                        plan.rooms_without_place);
+  }
+  if (plan.stairs_without_rooms > 0) {
+    text += fmt::format(
+        "{} flights of stairs do not lead from one named room to another: they are left out\n",
+        plan.stairs_without_rooms);
+  }
+  return text;
+}
+
+Expected<Answer> export_indoorgml(const ContentsOptions& options, Context& context) {
+  ROOMWISE_CHECK_OK(check_is_new(options.output));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
+  CommandRun run(context);
+  ROOMWISE_TRY(const pipeline::HomeContents contents, pipeline::read_home_contents(home, run));
+  auto plan = pipeline::indoor_gml(contents);
+  if (!plan) return Unexpected(std::move(plan.error()).in(home.file()));
+  ROOMWISE_CHECK_OK(write_file(options.output, plan->gml));
+  return Answer{fmt::format("wrote {} rooms, {} doors, {} flights of stairs, {} things to {}\n{}",
+                            plan->rooms, plan->doors, plan->stairs, plan->things,
+                            options.output.string(), left_out(*plan, contents)),
+                {{"rooms", plan->rooms},
+                 {"doors", plan->doors},
+                 {"stairs", plan->stairs},
+                 {"things", plan->things},
+                 {"rooms_elsewhere", plan->rooms_without_place},
+                 {"stairs_elsewhere", plan->stairs_without_rooms},
+                 {"things_elsewhere", contents.things_apart()},
+                 {"output", options.output.string()}}};
+}
+
 Expected<Answer> export_mcap(const PicturesOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const home::RecordingId walk, find_walk(home, options.walk));
@@ -205,6 +242,11 @@ void add_contents_exports(CLI::App& group, Context& context) {
       group, context, "scene-graph",
       "Building, rooms, things and what joins them, as a 3-D scene graph (Spark-DSG's JSON)",
       "scene-graph --home my.home -o my-graph.json", export_scene_graph);
+  add_contents(
+      group, context, "indoorgml",
+      "The plan: rooms by storey, doors and stairs between them, things (IndoorGML 1.0.3, in "
+      "the home's own metres)",
+      "indoorgml --home my.home -o my.gml", export_indoorgml);
   add_mcap(group, context);
 }
 
