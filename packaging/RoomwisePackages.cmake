@@ -58,7 +58,7 @@ roomwise_package(program roomwise
   SECTION utils
   DEPENDS adduser
   RECOMMENDS espeak-ng
-  SUGGESTS "roomwise-lab, python3-roomwise"
+  SUGGESTS "roomwise-lab, python3-roomwise, haproxy"
   SCRIPTS ${here}/roomwise/postinst ${here}/roomwise/prerm ${here}/roomwise/postrm
   DESCRIPTION "rooms and things of a home, told to a person who cannot see
 A helper walks through a home once with a camera that measures depth, or with a

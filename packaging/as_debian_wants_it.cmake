@@ -22,6 +22,9 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
     DESTINATION ${package}/usr/share/doc/${CPACK_DEBIAN_${COMPONENT}_PACKAGE_NAME})
   if(component STREQUAL "program")
     file(COPY ${CMAKE_CURRENT_LIST_DIR}/roomwise/roomwise.service DESTINATION ${package}/lib/systemd/system)
+    # For who serves many homes behind a proxy: to be copied and filled in.
+    file(COPY ${CMAKE_CURRENT_LIST_DIR}/homes/haproxy.cfg ${CMAKE_CURRENT_LIST_DIR}/homes/roomwise-homes@.service
+      DESTINATION ${package}/usr/share/doc/roomwise/examples)
   endif()
   # Where Debian's zsh and Python look.
   move(${package} usr/share/zsh/site-functions usr/share/zsh/vendor-completions)

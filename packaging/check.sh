@@ -30,7 +30,8 @@ check_contents() {
   done
   contains roomwise ./usr/bin/roomwise ./usr/share/roomwise/web/index.html ./lib/systemd/system/roomwise.service \
     ./usr/share/man/man1/roomwise.1.gz ./usr/share/man/man1/roomwise-serve.1.gz \
-    ./usr/share/bash-completion/completions/roomwise ./usr/share/zsh/vendor-completions/_roomwise
+    ./usr/share/bash-completion/completions/roomwise ./usr/share/zsh/vendor-completions/_roomwise \
+    ./usr/share/doc/roomwise/examples/haproxy.cfg "./usr/share/doc/roomwise/examples/roomwise-homes@.service"
   [[ $(files roomwise) == */networks/roomwise-*.onnx* ]] || fail "roomwise has no network"
   contains libroomwise-dev ./usr/include/roomwise/base/expected.h ./usr/lib/libroomwise_pipeline.a \
     ./usr/lib/cmake/Roomwise/RoomwiseConfig.cmake
@@ -61,10 +62,19 @@ check_lintian() {
 # systemd-analyze counts from 0 to 10; --threshold is a tenth of that.
 check_exposure() {
   command -v systemd-analyze >/dev/null || { not_checked "systemd-analyze is not installed"; return; }
+  is_hidden "the service" "$repository/packaging/roomwise/roomwise.service"
+  # A template is judged by one of what it makes.
+  local one
+  one=$(mktemp --directory)
+  cp "$repository/packaging/homes/roomwise-homes@.service" "$one/roomwise-homes@1.service"
+  is_hidden "the example for many homes" "$one/roomwise-homes@1.service"
+  rm -r "$one"
+}
+
+is_hidden() {
   local said
-  said=$(systemd-analyze security --offline=true --threshold=20 "$repository/packaging/roomwise/roomwise.service") ||
-    fail "the service is exposed by more than 2.0: ${said##*$'\n'}"
-  right "the service: ${said##*→ }"
+  said=$(systemd-analyze security --offline=true --threshold=20 "$2") || fail "$1 is exposed by more than 2.0: ${said##*$'\n'}"
+  right "$1: ${said##*→ }"
 }
 
 check_in_bare_debian() {
