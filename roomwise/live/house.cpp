@@ -18,6 +18,16 @@ using service::Placeholders;
 namespace {
 
 constexpr std::string_view kHomes = "/homes/";
+constexpr std::string_view kPair = "/api/pair";
+
+// Where codes are asked for; more are kept while somebody has to wait at each, up to which nobody
+// is heard at a new one.
+constexpr std::size_t kMaxDoors = 256;
+constexpr int kFullDoors_s = 30;
+// Proofs of digits, of which one takes half a second of a processor: so many at once, and so
+// many a second. One peer alone cannot use up what all have.
+constexpr double kProofsOfPeer = 4, kProofsOfPeer_s = 0.125;
+constexpr double kProofsOfAll = 16, kProofsOfAll_s = 0.5;
 
 HttpAnswer later(std::string_view what, int seconds) {
   HttpAnswer answer = error_answer(503, what);
@@ -91,8 +101,13 @@ fs::path wanted_file(const fs::path& home) {
 // asked for it.
 class House::Resident final : public service::ServedHome {
  public:
-  Resident(House& house, std::string name, std::unique_ptr<service::AccessRegister> access)
-      : house_(house), name_(std::move(name)), access_(std::move(access)), router_(routes()) {}
+  Resident(House& house, std::string name, std::shared_ptr<service::PairingDoor> door,
+           std::unique_ptr<service::AccessRegister> access)
+      : house_(house),
+        name_(std::move(name)),
+        access_door_(std::move(door)),
+        access_(std::move(access)),
+        router_(routes()) {}
 
   ~Resident() override {
     const bool had_place = live_ != nullptr;
@@ -129,7 +144,7 @@ class House::Resident final : public service::ServedHome {
   [[nodiscard]] bool is_idle() {
     const LiveHome* const home = live();
     return (home == nullptr || !home->is_at_work()) &&
-           !access_->awaits_pairing(house_.options_.clock());
+           !access_door_->has_codes(house_.options_.clock());
   }
 
   // The home, opened where it is not yet.
@@ -200,6 +215,7 @@ class House::Resident final : public service::ServedHome {
 
   House& house_;
   const std::string name_;
+  const std::shared_ptr<service::PairingDoor> access_door_;
   const std::unique_ptr<service::AccessRegister> access_;
   const service::Router router_;
   double used_s_ = 0;
@@ -213,7 +229,11 @@ class House::Resident final : public service::ServedHome {
 // ---- the folder ----
 
 House::House(fs::path folder, const objects::ObjectFinders& finders, HouseOptions options)
-    : folder_(std::move(folder)), finders_(finders), options_(std::move(options)) {
+    : folder_(std::move(folder)),
+      finders_(finders),
+      options_(std::move(options)),
+      proofs_of_peer_(kProofsOfPeer, kProofsOfPeer_s),
+      proofs_of_all_(kProofsOfAll, kProofsOfAll_s) {
   std::vector<service::Route> front = options_.front;
   front.push_back(health_route());
   std::vector<service::Route> door{health_route()};
@@ -225,6 +245,11 @@ House::House(fs::path folder, const objects::ObjectFinders& finders, HouseOption
   }
   front_ = std::make_shared<Open>(std::move(front));
   door_ = std::make_shared<Open>(std::move(door));
+  std::vector<service::Route> pairing{service::pairing_route(
+      [this](const HttpRequest& request, const service::PairingAttempt& attempt) {
+        return redeem(request.base.substr(kHomes.size()), attempt);
+      })};
+  pairing_ = std::make_shared<Open>(std::move(pairing));
 }
 
 House::~House() {
@@ -293,6 +318,15 @@ std::variant<service::Arrival, HttpAnswer> House::arrive(const HttpRequest& requ
   const bool is_of_house =
       !is_of_home(path->rest) || is_for_everyone(door_->router(), request.method, path->rest);
   if (is_of_house) return service::Arrival{door_, path->base};
+  if (request.method == "POST" && path->rest == kPair && is_home_name(path->name)) {
+    if (looks_elsewhere(path->name) && has(path->name)) {
+      const auto mine = find(path->name);
+      if (!mine && mine.error().code == ErrorCode::kRefused) {
+        return later("another process has this home; try again soon", 1);
+      }
+    }
+    return service::Arrival{pairing_, path->base};
+  }
   // Whether there is such a home is nobody's affair: one that is not there has no devices.
   if (!has(path->name)) return answer_to_nobody();
   auto resident = find(path->name);
@@ -329,13 +363,13 @@ Expected<std::shared_ptr<House::Resident>> House::find(const std::string& name) 
   }
   moving_.insert(name);
   lock.unlock();
-  auto access =
-      service::AccessRegister::open(service::access_folder(file_of(name)), options_.fingerprint);
+  const auto door = door_of(name, /*is_there=*/true);
+  auto access = service::AccessRegister::open(service::access_folder(file_of(name)), door);
   std::shared_ptr<Resident> resident;
   std::error_code ignored;
   if (access) {
     fs::remove(wanted_file(file_of(name)), ignored);
-    resident = std::make_shared<Resident>(*this, name, *std::move(access));
+    resident = std::make_shared<Resident>(*this, name, door, *std::move(access));
   } else if (access.error().code == ErrorCode::kRefused) {
     const std::ofstream wanted(wanted_file(file_of(name)));  // it counts that it is there
   }
@@ -355,6 +389,68 @@ Expected<service::OpenCode> House::make_code(const std::string& name, service::R
   if (!has(name)) return fail("{}: there is no such home", file_of(name).string());
   ROOMWISE_TRY(const auto resident, find(name));
   return resident->access().make_code(role, options_.clock());
+}
+
+// ---- who asks to be paired ----
+
+std::shared_ptr<service::PairingDoor> House::door_of(const std::string& name, bool is_there) {
+  const service::Now now = options_.clock();
+  const std::scoped_lock lock(doors_mutex_);
+  if (const auto found = doors_.find(name); found != doors_.end()) {
+    found->second.used_s = now.steady_s;
+    return found->second.door;
+  }
+  if (doors_.size() >= kMaxDoors && !is_there) {
+    auto oldest = doors_.end();
+    for (auto one = doors_.begin(); one != doors_.end(); ++one) {
+      if (one->second.door.use_count() > 1 || one->second.door->awaits_pairing(now)) continue;
+      if (oldest == doors_.end() || one->second.used_s < oldest->second.used_s) oldest = one;
+    }
+    if (oldest == doors_.end()) return nullptr;
+    doors_.erase(oldest);
+  }
+  service::PairingDoorOptions options;
+  options.fingerprint = options_.fingerprint;
+  options.is_secret = true;
+  options.proof_wait_s = [this](const std::string& peer, const service::Now& at) {
+    return proof_wait_s(peer, at);
+  };
+  auto door = std::make_shared<service::PairingDoor>(std::move(options));
+  doors_.emplace(name, KeptDoor{door, now.steady_s});
+  return door;
+}
+
+double House::proof_wait_s(const std::string& peer, const service::Now& now) {
+  const std::scoped_lock lock(doors_mutex_);
+  if (!proofs_of_peer_.take(peer, now.steady_s)) return 1 / kProofsOfPeer_s;
+  if (proofs_of_all_.take("", now.steady_s)) return 0;
+  proofs_of_peer_.give_back(peer);
+  return 1 / kProofsOfAll_s;
+}
+
+bool House::looks_elsewhere(const std::string& name) const {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (residents_.contains(name) || moving_.contains(name)) return false;
+  }
+  return service::AccessRegister::looks_open(service::access_folder(file_of(name)));
+}
+
+tl::expected<service::Pairing, service::PairingRefusal> House::redeem(
+    const std::string& name, const service::PairingAttempt& attempt) {
+  const service::Now now = options_.clock();
+  const auto door = door_of(name, /*is_there=*/false);
+  if (!door) {
+    return tl::unexpected(
+        service::PairingRefusal{429, "too many wrong codes; try again soon", kFullDoors_s});
+  }
+  // Only who knows a code gets as far as to the home.
+  const auto add = [&](service::Role role,
+                       const std::string& device) -> Expected<service::Pairing> {
+    ROOMWISE_TRY(const auto resident, find(name));
+    return resident->access().pair_here(role, device, now);
+  };
+  return door->redeem(attempt, now, add);
 }
 
 // ---- room ----

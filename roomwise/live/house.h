@@ -15,6 +15,8 @@
 #include "roomwise/live/live_home.h"
 #include "roomwise/service/access_routes.h"
 #include "roomwise/service/metrics_text.h"
+#include "roomwise/service/pairing_door.h"
+#include "roomwise/service/rate_limit.h"
 #include "roomwise/service/served_home.h"
 
 namespace roomwise::live {
@@ -60,7 +62,9 @@ struct HouseOptions {
 // removed there can still be brought back when it is open again, whatever LiveHomeOptions of all
 // say. One process
 // has a home at a time: another one answers 503, and takes it over within seconds of that one's
-// end, or when that one does not use it. Thread-safe.
+// end, or when that one does not use it. Who is nobody there does not learn which homes there are,
+// also not by asking to be paired: a wrong code, a home without codes and one that is not there are
+// answered alike, after the same work (see PairingDoorOptions::is_secret). Thread-safe.
 class House final : public service::HomesAtPort {
  public:
   // Fails where the folder is none. `finders` must outlive it.
@@ -103,6 +107,16 @@ class House final : public service::HomesAtPort {
   // The home with its register, which this process has from then on. ErrorCode::kRefused where
   // another one has it.
   [[nodiscard]] Expected<std::shared_ptr<Resident>> find(const std::string& name);
+  // Where codes of that name are asked for, whether there is such a home or not; nullptr where it
+  // is not known to be there, and too many are kept already at which somebody has to wait.
+  [[nodiscard]] std::shared_ptr<service::PairingDoor> door_of(const std::string& name,
+                                                              bool is_there);
+  // How long until a proof of digits by that peer may be checked, s.
+  [[nodiscard]] double proof_wait_s(const std::string& peer, const service::Now& now);
+  [[nodiscard]] tl::expected<service::Pairing, service::PairingRefusal> redeem(
+      const std::string& name, const service::PairingAttempt& attempt);
+  // Whether another process seems to have it. Touches nothing, and takes as long for any name.
+  [[nodiscard]] bool looks_elsewhere(const std::string& name) const;
   // A place in memory for one more home, of one that is closed for it where there is none.
   [[nodiscard]] Expected<void> take_place();
   void free_place();
@@ -114,8 +128,18 @@ class House final : public service::HomesAtPort {
   const std::filesystem::path folder_;
   const objects::ObjectFinders& finders_;
   const HouseOptions options_;
-  std::shared_ptr<service::ServedHome> front_;  // outside the homes
-  std::shared_ptr<service::ServedHome> door_;   // of a home: what everybody gets of any
+  std::shared_ptr<service::ServedHome> front_;    // outside the homes
+  std::shared_ptr<service::ServedHome> door_;     // of a home: what everybody gets of any
+  std::shared_ptr<service::ServedHome> pairing_;  // of a home: who asks to be paired
+
+  struct KeptDoor {
+    std::shared_ptr<service::PairingDoor> door;
+    double used_s = 0;
+  };
+  std::mutex doors_mutex_;  // after mutex_
+  std::map<std::string, KeptDoor> doors_;
+  service::RateLimit proofs_of_peer_;
+  service::RateLimit proofs_of_all_;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

@@ -10,6 +10,7 @@
 #include "roomwise/pipeline/edits/walk_edits.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/service/client.h"
+#include "roomwise/service/pairing_proof.h"
 #include "roomwise/service/testing/testing_service.h"
 
 namespace roomwise::live {
@@ -232,6 +233,126 @@ TEST_F(HouseTest, ACodeAndACookieAreOfOneHome) {
   EXPECT_EQ(serving->ask("GET", "/homes/flat-1").headers.at("location"), "/homes/flat-1/");
 }
 
+// What somebody without an identity is told who asks to be paired with one home after the other:
+// of flat-1 a code is open, of flat-2 none, flat-3 nobody has asked for, flat-9 is not there.
+TEST_F(HouseTest, WhoGuessesACodeDoesNotLearnWhichHomesThereAre) {
+  const auto serving = serve();
+  const auto code = serving->house->make_code("flat-1", Role::kHelper).value();
+  EXPECT_EQ(serving->ask("GET", "/homes/flat-2/api/me", bearer("nonsense")).status, 401);
+  const std::string wrong = fmt::format("{:06}", (std::stoi(code.digits) + 1) % 1'000'000);
+  const std::string proof(64, 'a'), nonce(32, '1');
+  const std::vector<nlohmann::json> attempts{
+      {{"code", "12345"}, {"name", "a"}},
+      {{"code", wrong}, {"name", ""}},
+      {{"secret", std::string(22, 'A')}, {"name", "a"}},
+      {{"secret_proof", proof}, {"nonce", nonce}, {"name", "a"}},
+      {{"secret_proof", proof}, {"nonce", "short"}, {"name", "a"}},
+      {{"proof", proof}, {"nonce", "short"}, {"name", "a"}},
+      {{"proof", proof}, {"nonce", nonce}, {"name", "a"}},
+      {{"code", wrong}, {"name", "a"}, {"cookie", true}},
+      {{"code", wrong}, {"name", "a"}},
+      {{"code", wrong}, {"name", "a"}},  // from here on this address has to wait
+      {{"secret", std::string(22, 'A')}, {"name", "a"}},
+  };
+  const auto answers = [&](const std::string& home) {
+    std::vector<std::tuple<int, std::string, std::map<std::string, std::string>>> all;
+    for (const nlohmann::json& attempt : attempts) {
+      const Answer answer =
+          serving->ask("POST", "/homes/" + home + "/api/pair", "", attempt.dump());
+      all.emplace_back(answer.status, answer.body, answer.headers);
+    }
+    serving->steady_s += 30;  // the wait is over; two more wrong ones make five
+    for (int i = 0; i < 3; ++i) {
+      const Answer answer =
+          serving->ask("POST", "/homes/" + home + "/api/pair", "", attempts[8].dump());
+      all.emplace_back(answer.status, answer.body, answer.headers);
+    }
+    return all;
+  };
+  const auto of_one = answers("flat-1");
+  EXPECT_EQ(std::get<int>(of_one[0]), 400);
+  EXPECT_EQ(std::get<int>(of_one[6]), 401);
+  EXPECT_EQ(std::get<int>(of_one[9]), 429);
+  for (const char* home : {"flat-2", "flat-3", "flat-9"}) {
+    EXPECT_EQ(answers(home), of_one) << home;
+  }
+  EXPECT_THAT(serving->house->open_homes(), IsEmpty());
+  EXPECT_FALSE(fs::exists(folder_ / "flat-3.home.access")) << "nothing was looked up";
+  EXPECT_FALSE(fs::exists(folder_ / "flat-9.home.access"));
+}
+
+TEST_F(HouseTest, DigitsThatWereGuessedAtAreVoidWithoutAWord) {
+  const auto serving = serve();
+  const auto ask = [&](const std::string& home, const std::string& digits) {
+    return serving
+        ->ask("POST", "/homes/" + home + "/api/pair", "",
+              nlohmann::json({{"code", digits}, {"name", "a"}}).dump())
+        .status;
+  };
+  const auto code = serving->house->make_code("flat-1", Role::kHelper).value();
+  const std::string wrong = fmt::format("{:06}", (std::stoi(code.digits) + 1) % 1'000'000);
+  for (const char* home : {"flat-1", "flat-9"}) {
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(ask(home, wrong), 401);
+  }
+  serving->steady_s += 30;
+  for (const char* home : {"flat-1", "flat-9"}) {
+    for (int i = 0; i < 2; ++i) EXPECT_EQ(ask(home, wrong), 401);
+  }
+  // Five of all: the digits are void, and new ones are not heard before the wait is over.
+  EXPECT_EQ(ask("flat-1", code.digits), 401);
+  EXPECT_EQ(ask("flat-9", code.digits), 401);
+  serving->steady_s += 60;
+  const auto later = serving->house->make_code("flat-1", Role::kHelper).value();
+  EXPECT_EQ(ask("flat-1", code.digits), 401);
+  EXPECT_EQ(ask("flat-1", later.digits), 200);
+}
+
+// Checking one takes long, and at names that are not there nobody has to wait after three.
+TEST_F(HouseTest, ProofsOfOneAddressDoNotUseUpWhatAllHave) {
+  const auto serving = serve();
+  const std::string nonce(32, '1');
+  const auto prove = [&](const std::string& from, const std::string& home,
+                         const std::string& proof) {
+    RawClient client(serving->server->port(), from);
+    EXPECT_TRUE(client.shake_hands());
+    return client
+        .ask("POST", "/homes/" + home + "/api/pair", "",
+             nlohmann::json({{"proof", proof}, {"nonce", nonce}, {"name", "a"}}).dump())
+        .status;
+  };
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(prove("127.0.0.2", fmt::format("none-{}", i), std::string(64, 'a')), 401);
+  }
+  for (int i = 4; i < 30; ++i) {
+    EXPECT_EQ(prove("127.0.0.2", fmt::format("none-{}", i), std::string(64, 'a')), 429);
+  }
+  const auto code = serving->house->make_code("flat-1", Role::kDevice).value();
+  const auto proof =
+      service::make_pairing_proof(code.digits, serving->certificate.fingerprint, nonce).value();
+  EXPECT_EQ(prove("127.0.0.2", "flat-1", proof.device), 429);
+  EXPECT_EQ(prove("127.0.0.3", "flat-1", proof.device), 200);
+}
+
+TEST_F(HouseTest, GuessesAtInventedNamesKeepNobodyFromAHome) {
+  const auto serving = serve();
+  const auto guess = [&](const std::string& home, const std::string& digits) {
+    return serving
+        ->ask("POST", "/homes/" + home + "/api/pair", "",
+              nlohmann::json({{"code", digits}, {"name", "a"}}).dump())
+        .status;
+  };
+  for (int name = 0; name < 256; ++name) {
+    for (int i = 0; i < 3; ++i) {
+      ASSERT_EQ(guess(fmt::format("none-{}", name), "123456"), 401);
+    }
+  }
+  EXPECT_EQ(guess("none-256", "123456"), 429) << "no more names are kept";
+  const auto code = serving->house->make_code("flat-1", Role::kDevice).value();
+  EXPECT_EQ(guess("flat-1", code.digits), 200);
+  serving->steady_s += 31;
+  EXPECT_EQ(guess("none-256", "123456"), 401);
+}
+
 TEST_F(HouseTest, DevicesOfOneNumberInTwoHomesAreTwo) {
   const auto serving = serve();
   const std::string first = serving->pair("flat-1", Role::kDevice);
@@ -323,6 +444,9 @@ TEST_F(HouseTest, OneProcessHasAHomeUntilItEndsOrHasNoUseForIt) {
   EXPECT_EQ(elsewhere.status, 503);
   EXPECT_EQ(elsewhere.headers.at("retry-after"), "1");
   EXPECT_THAT(elsewhere.body, HasSubstr("another process has this home"));
+  // Nor does the second judge codes, which lie with the first.
+  const std::string guess = R"({"code":"123456","name":"a"})";
+  EXPECT_EQ(second->ask("POST", "/homes/flat-1/api/pair", "", guess).body, elsewhere.body);
   // The first is not using it: it hands it over.
   first->house->tidy();
   EXPECT_EQ(second->open("flat-1", token), 200);

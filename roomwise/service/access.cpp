@@ -7,7 +7,6 @@
 #include <cmath>
 #include <system_error>
 
-#include "roomwise/service/pairing_proof.h"
 #include "roomwise/service/private_folder.h"
 #include "roomwise/service/secrets.h"
 
@@ -16,6 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kDevicesFile = "devices.sqlite";
 constexpr std::size_t kMaxDevices = 100;
 constexpr std::int64_t kSeenStep_s = 60;
 
@@ -29,26 +29,6 @@ CREATE TABLE IF NOT EXISTS devices (
   last_seen_s INTEGER NOT NULL);
 )";
 
-PairingRefusal refusal_to_wait(double seconds) {
-  const auto wait_s = static_cast<std::int64_t>(std::ceil(seconds));
-  return {429, fmt::format("too many wrong codes; wait {} s, then ask for a new code", wait_s),
-          wait_s};
-}
-
-tl::unexpected<PairingRefusal> refuse(int status, std::string message) {
-  return tl::unexpected(PairingRefusal{status, std::move(message), 0});
-}
-
-// A name that can be spoken, shown and logged on one line.
-bool is_good_name(std::string_view name) {
-  return !name.empty() && name.size() <= 64 &&
-         std::ranges::all_of(name, [](unsigned char c) { return c >= 0x20 && c != 0x7F; });
-}
-
-bool is_code(std::string_view code) {
-  return code.size() == 6 && std::ranges::all_of(code, [](char c) { return c >= '0' && c <= '9'; });
-}
-
 }  // namespace
 
 fs::path access_folder(const fs::path& home) {
@@ -57,8 +37,18 @@ fs::path access_folder(const fs::path& home) {
 
 Expected<std::unique_ptr<AccessRegister>> AccessRegister::open(const fs::path& folder,
                                                                std::string fingerprint) {
+  return open(folder, std::make_shared<PairingDoor>(PairingDoorOptions{std::move(fingerprint)}));
+}
+
+bool AccessRegister::looks_open(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::exists(folder / (std::string(kDevicesFile) + "-lock"), ignored);
+}
+
+Expected<std::unique_ptr<AccessRegister>> AccessRegister::open(const fs::path& folder,
+                                                               std::shared_ptr<PairingDoor> door) {
   ROOMWISE_CHECK_OK(make_private_folder(folder));
-  const fs::path path = folder / "devices.sqlite";
+  const fs::path path = folder / kDevicesFile;
   if (!fs::exists(path)) ROOMWISE_CHECK_OK(write_file(path, ""));  // SQLite opens what is there
   std::error_code error;
   fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write, error);
@@ -68,7 +58,7 @@ Expected<std::unique_ptr<AccessRegister>> AccessRegister::open(const fs::path& f
                home::Database::open(path, home::Database::Access::kReadWrite));
   ROOMWISE_CHECK_OK(database.run_script(kSchema));
   std::unique_ptr<AccessRegister> access(
-      new AccessRegister(std::move(lock), std::move(database), std::move(fingerprint)));
+      new AccessRegister(std::move(lock), std::move(database), std::move(door)));
   ROOMWISE_CHECK_OK(access->load());
   return access;
 }
@@ -89,84 +79,14 @@ Expected<void> AccessRegister::load() {
       });
 }
 
-Expected<OpenCode> AccessRegister::make_code(Role role, const Now& now) {
-  const std::scoped_lock lock(guard_mutex_);
-  ROOMWISE_TRY(std::string digits, random_code());
-  ROOMWISE_TRY(const Bytes random, random_bytes(16));
-  OpenCode code{std::move(digits), base64url(random)};
-  guard_.open({code.digits, code.secret, role, now.steady_s + kCodeValid_s}, now.steady_s);
-  return code;
-}
-
-double AccessRegister::digits_wait_s(const Now& now) {
-  const std::scoped_lock lock(guard_mutex_);
-  return guard_.wait_s(now.steady_s);
-}
-
-tl::expected<Pairing, PairingRefusal> AccessRegister::redeem_secret(const PairingAttempt& attempt,
-                                                                    const Now& now) {
-  std::optional<PairingGuard::Code> known;
-  std::string proof;
-  for (const PairingGuard::Code& code : guard_.codes(now.steady_s)) {
-    if (!attempt.proves_secret) {
-      if (equal_secrets(code.secret, attempt.secret)) known = code;
-      continue;
-    }
-    const auto ours = make_secret_proof(code.secret, fingerprint_, attempt.nonce);
-    if (!ours) return refuse(400, ours.error().message);
-    if (!equal_secrets(ours->device, attempt.proof)) continue;
-    known = code;
-    proof = ours->computer;
-  }
-  if (!known) return refuse(401, "the link is no longer valid; ask for a new one");
-  Expected<Pairing> pairing = add(known->role, attempt.name, now);
-  if (!pairing) return refuse(500, pairing.error().message);
-  guard_.redeemed(known->secret);
-  pairing->proof = proof;
-  return *std::move(pairing);
-}
-
 tl::expected<Pairing, PairingRefusal> AccessRegister::redeem(const PairingAttempt& attempt,
                                                              const Now& now) {
-  if (!is_good_name(attempt.name)) {
-    return refuse(400, "'name' must have 1 to 64 bytes, without control characters");
-  }
-  const std::scoped_lock lock(guard_mutex_);
-  if (attempt.proves_secret || !attempt.secret.empty()) return redeem_secret(attempt, now);
-  if (attempt.proof.empty() && !is_code(attempt.code)) {
-    return refuse(400, "'code' must be the six digits that the computer shows");
-  }
-  if (const double wait_s = guard_.wait_s(attempt.peer, now.steady_s); wait_s > 0) {
-    return tl::unexpected(refusal_to_wait(wait_s));
-  }
-  std::optional<PairingGuard::Code> known;
-  std::string proof;
-  // All codes are compared, so that the time tells nothing.
-  for (const PairingGuard::Code& code : guard_.codes(now.steady_s)) {
-    if (code.digits.empty()) continue;
-    if (attempt.proof.empty()) {
-      if (equal_secrets(code.digits, attempt.code)) known = code;
-      continue;
-    }
-    const auto ours = make_pairing_proof(code.digits, fingerprint_, attempt.nonce);
-    if (!ours) return refuse(400, ours.error().message);
-    if (!equal_secrets(ours->device, attempt.proof)) continue;
-    known = code;
-    proof = ours->computer;
-  }
-  if (!known) {
-    guard_.wrong(attempt.peer, now.steady_s);
-    return refuse(401, "the code is wrong or no longer valid; ask for a new one");
-  }
-  Expected<Pairing> pairing = add(known->role, attempt.name, now);
-  if (!pairing) return refuse(500, pairing.error().message);
-  guard_.right(attempt.peer, known->digits);
-  pairing->proof = proof;
-  return *std::move(pairing);
+  return door_->redeem(attempt, now,
+                       [&](Role role, const std::string& name) { return add(role, name, now); });
 }
 
 Expected<Pairing> AccessRegister::pair_here(Role role, const std::string& name, const Now& now) {
-  if (!is_good_name(name)) {
+  if (!is_device_name(name)) {
     return fail("a device's name must have 1 to 64 bytes, without control characters");
   }
   return add(role, name, now);
@@ -213,7 +133,7 @@ Expected<bool> AccessRegister::revoke(std::int64_t device) {
 }
 
 Expected<bool> AccessRegister::rename(std::int64_t device, const std::string& name) {
-  if (!is_good_name(name)) {
+  if (!is_device_name(name)) {
     return fail("'name' must be a name of 1 to 64 bytes on one line");
   }
   const std::scoped_lock lock(mutex_);
@@ -223,11 +143,6 @@ Expected<bool> AccessRegister::rename(std::int64_t device, const std::string& na
   ROOMWISE_CHECK_OK(database_.run("UPDATE devices SET name = ? WHERE device = ?", name, device));
   entry->device.who.name = name;
   return true;
-}
-
-bool AccessRegister::awaits_pairing(const Now& now) {
-  const std::scoped_lock lock(guard_mutex_);
-  return guard_.wait_s_of_any(now.steady_s) > 0 || !guard_.codes(now.steady_s).empty();
 }
 
 std::vector<PairedDevice> AccessRegister::devices() const {

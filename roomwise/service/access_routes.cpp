@@ -30,11 +30,12 @@ HttpAnswer refusal_answer(const PairingRefusal& refusal) {
 // A home's cookie is sent to that home alone.
 constexpr auto kCookie = "roomwise={}; Path={}/; Max-Age={}; Secure; HttpOnly; SameSite=Strict";
 
+constexpr std::size_t kBody = 4096;
+
 using Access = AccessRegister&;
 using Context = const AccessRoutesContext&;
 
-HttpAnswer answer_pair(Access access, Context context, const HttpRequest& request,
-                       const Placeholders&) {
+HttpAnswer answer_pair(const RedeemCode& redeem, const HttpRequest& request) {
   const auto json = json_of(request);
   if (!json) return error_answer(400, json.error().message);
   const std::string secret_proof = text_member(*json, "secret_proof").value_or("");
@@ -46,7 +47,7 @@ HttpAnswer answer_pair(Access access, Context context, const HttpRequest& reques
   attempt.proof = attempt.proves_secret ? secret_proof : text_member(*json, "proof").value_or("");
   attempt.name = text_member(*json, "name").value_or("");
   attempt.peer = request.peer;
-  auto pairing = access.redeem(attempt, context.clock());
+  auto pairing = redeem(request, attempt);
   if (!pairing) return refusal_answer(pairing.error());
   Json answer = {{"role", to_string(pairing->who.role)}, {"device", pairing->who.device}};
   if (!pairing->proof.empty()) answer["proof"] = pairing->proof;
@@ -162,7 +163,6 @@ HttpAnswer answer_rename(Access access, Context, const HttpRequest& request,
 
 std::vector<Route> access_routes(AccessRegister& access, AccessRoutesContext given) {
   const auto context = std::make_shared<const AccessRoutesContext>(std::move(given));
-  constexpr std::size_t kBody = 4096;
   std::vector<Route> routes;
   const auto add = [&](const char* method, const char* pattern, std::optional<Role> role,
                        auto handler) {
@@ -173,7 +173,10 @@ std::vector<Route> access_routes(AccessRegister& access, AccessRoutesContext giv
          },
          kBody});
   };
-  add("POST", "/api/pair", std::nullopt, answer_pair);
+  routes.push_back(
+      pairing_route([&access, context](const HttpRequest&, const PairingAttempt& attempt) {
+        return access.redeem(attempt, context->clock());
+      }));
   add("GET", "/api/me", Role::kDevice, answer_me);
   add("POST", "/api/leave", Role::kDevice, answer_leave);
   add("GET", "/api/devices", Role::kHelper, answer_list);
@@ -182,6 +185,14 @@ std::vector<Route> access_routes(AccessRegister& access, AccessRoutesContext giv
   add("POST", "/api/codes", Role::kHelper, answer_code);
   std::ranges::move(authority_routes(context->authority), std::back_inserter(routes));
   return routes;
+}
+
+Route pairing_route(RedeemCode redeem) {
+  return {"POST", "/api/pair", std::nullopt,
+          [redeem = std::move(redeem)](const HttpRequest& request, const Placeholders&) {
+            return answer_pair(redeem, request);
+          },
+          kBody};
 }
 
 std::vector<Route> authority_routes(std::function<std::optional<Authority>()> authority) {

@@ -29,7 +29,12 @@ struct AccessRoutesContext {
 [[nodiscard]] std::vector<Route> authority_routes(
     std::function<std::optional<Authority>()> authority);
 
-// POST /api/pair, GET /api/me, POST /api/leave, GET /api/devices, DELETE /api/devices/{device},
+// POST /api/pair, by what lets somebody in.
+using RedeemCode = std::function<tl::expected<Pairing, PairingRefusal>(const HttpRequest& request,
+                                                                       const PairingAttempt&)>;
+[[nodiscard]] Route pairing_route(RedeemCode redeem);
+
+// pairing_route(), GET /api/me, POST /api/leave, GET /api/devices, DELETE /api/devices/{device},
 // POST /api/codes: who may connect; and authority_routes(); as docs/protocol.md describes them.
 [[nodiscard]] std::vector<Route> access_routes(AccessRegister& access, AccessRoutesContext context);
 

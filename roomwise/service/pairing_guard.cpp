@@ -7,7 +7,6 @@
 
 namespace roomwise::service {
 namespace {
-constexpr std::size_t kMaxCodes = 4;
 constexpr std::size_t kMaxPeers = 1024;
 constexpr int kWrongOfAll = 5;
 constexpr int kWrongOfPeer = 3;
@@ -34,11 +33,14 @@ double PairingGuard::wait_s(double now_s) const {
   return std::max(0.0, all_.until_s - now_s);
 }
 
-double PairingGuard::wait_s(const std::string& peer, double now_s) const {
+double PairingGuard::own_wait_s(const std::string& peer, double now_s) const {
   const auto found = peers_.find(peer);
-  const double own_s =
-      found == peers_.end() ? wait_for_room_s(now_s) : found->second.until_s - now_s;
-  return std::max(own_s, wait_s(now_s));
+  return found == peers_.end() ? wait_for_room_s(now_s)
+                               : std::max(0.0, found->second.until_s - now_s);
+}
+
+double PairingGuard::wait_s(const std::string& peer, double now_s) const {
+  return std::max(own_wait_s(peer, now_s), wait_s(now_s));
 }
 
 double PairingGuard::wait_for_room_s(double now_s) const {
@@ -71,6 +73,7 @@ void PairingGuard::redeemed(std::string_view secret) {
 
 void PairingGuard::wrong(const std::string& peer, double now_s) {
   if (Guesses* const own = of(peer, now_s)) count(*own, kWrongOfPeer, now_s);
+  if (wait_s(now_s) > 0) return;
   // Where nothing can be guessed, guessing must not lock others out.
   const auto open = codes(now_s);
   if (std::ranges::all_of(open, [](const Code& code) { return code.digits.empty(); })) return;

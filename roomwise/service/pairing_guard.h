@@ -37,11 +37,14 @@ class PairingGuard {
     double until_s = 0;
   };
 
+  static constexpr std::size_t kMaxCodes = 4;
   // Takes a code; the oldest goes where too many are open.
   void open(Code code, double now_s);
   // How long nobody is heard any more, or (with a peer) that one is not; 0: guess.
   [[nodiscard]] double wait_s(double now_s) const;
   [[nodiscard]] double wait_s(const std::string& peer, double now_s) const;
+  // How long that peer is not heard because of what it guessed itself.
+  [[nodiscard]] double own_wait_s(const std::string& peer, double now_s) const;
   // How long until nobody has to wait.
   [[nodiscard]] double wait_s_of_any(double now_s) const;
   // The codes that can be redeemed now.
@@ -50,6 +53,7 @@ class PairingGuard {
   void right(const std::string& peer, std::string_view digits);
   // That a code was redeemed by its secret.
   void redeemed(std::string_view secret);
+  // While nobody is heard it counts against its peer alone.
   void wrong(const std::string& peer, double now_s);
 
   // Bounded: who waits is kept until the wait is over, and nobody new is heard where all wait.

@@ -1,0 +1,158 @@
+#include "roomwise/service/pairing_door.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "roomwise/service/pairing_proof.h"
+#include "roomwise/service/secrets.h"
+
+namespace roomwise::service {
+namespace {
+
+PairingRefusal refusal_to_wait(double seconds) {
+  const auto wait_s = static_cast<std::int64_t>(std::ceil(seconds));
+  return {429, fmt::format("too many wrong codes; wait {} s, then ask for a new code", wait_s),
+          wait_s};
+}
+
+tl::unexpected<PairingRefusal> refuse(int status, std::string message) {
+  return tl::unexpected(PairingRefusal{status, std::move(message), 0});
+}
+
+bool is_code(std::string_view code) {
+  return code.size() == 6 && std::ranges::all_of(code, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+}  // namespace
+
+bool is_device_name(std::string_view name) {
+  return !name.empty() && name.size() <= 64 &&
+         std::ranges::all_of(name, [](unsigned char c) { return c >= 0x20 && c != 0x7F; });
+}
+
+// The code that was meant, and the computer's own proof of it.
+struct PairingDoor::Judged {
+  std::optional<Code> known;
+  std::string proof;
+};
+
+Expected<OpenCode> PairingDoor::make_code(Role role, const Now& now) {
+  const std::scoped_lock lock(guard_mutex_);
+  ROOMWISE_TRY(std::string digits, random_code());
+  ROOMWISE_TRY(const Bytes random, random_bytes(16));
+  OpenCode code{std::move(digits), base64url(random)};
+  guard_.open({code.digits, code.secret, role, now.steady_s + kCodeValid_s}, now.steady_s);
+  return code;
+}
+
+double PairingDoor::digits_wait_s(const Now& now) {
+  const std::scoped_lock lock(guard_mutex_);
+  return guard_.wait_s(now.steady_s);
+}
+
+bool PairingDoor::has_codes(const Now& now) {
+  const std::scoped_lock lock(guard_mutex_);
+  return !guard_.codes(now.steady_s).empty();
+}
+
+bool PairingDoor::awaits_pairing(const Now& now) {
+  const std::scoped_lock lock(guard_mutex_);
+  return guard_.wait_s_of_any(now.steady_s) > 0 || !guard_.codes(now.steady_s).empty();
+}
+
+// All codes are compared, and where the door is secret as many as there can be, so that the time
+// tells nothing.
+Expected<PairingDoor::Judged> PairingDoor::judge(std::vector<Code> codes,
+                                                 const PairingAttempt& attempt) const {
+  const bool by_secret = attempt.proves_secret || !attempt.secret.empty();
+  const bool by_proof = by_secret ? attempt.proves_secret : !attempt.proof.empty();
+  const std::size_t open = codes.size();
+  if (options_.is_secret) {
+    // Proven like others, and never right: they have no digits, and nobody knows the secret.
+    codes.resize(std::max(open, PairingGuard::kMaxCodes),
+                 Code{"none", std::string(kSecretLength, '-'), Role::kDevice, 0});
+  }
+  Judged judged;
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    const Code& code = codes[i];
+    const std::string& known_by = by_secret ? code.secret : code.digits;
+    bool is_right = false;
+    std::string proof;
+    if (by_proof) {
+      ROOMWISE_TRY(const PairingProof ours,
+                   by_secret ? make_secret_proof(known_by, options_.fingerprint, attempt.nonce)
+                             : make_pairing_proof(known_by, options_.fingerprint, attempt.nonce));
+      is_right = equal_secrets(ours.device, attempt.proof);
+      proof = ours.computer;
+    } else {
+      is_right = equal_secrets(known_by, by_secret ? attempt.secret : attempt.code);
+    }
+    if (i < open && is_right) judged = {code, std::move(proof)};
+  }
+  return judged;
+}
+
+tl::expected<Pairing, PairingRefusal> PairingDoor::redeem_secret(const PairingAttempt& attempt,
+                                                                 const Now& now, const Add& add) {
+  std::vector<Code> codes;
+  {
+    const std::scoped_lock lock(guard_mutex_);
+    codes = guard_.codes(now.steady_s);
+  }
+  const Expected<Judged> judged = judge(std::move(codes), attempt);
+  if (!judged) return refuse(400, judged.error().message);
+  if (!judged->known) return refuse(401, "the link is no longer valid; ask for a new one");
+  Expected<Pairing> pairing = add(judged->known->role, attempt.name);
+  if (!pairing) return refuse(500, pairing.error().message);
+  const std::scoped_lock lock(guard_mutex_);
+  guard_.redeemed(judged->known->secret);
+  pairing->proof = judged->proof;
+  return *std::move(pairing);
+}
+
+tl::expected<Pairing, PairingRefusal> PairingDoor::redeem_digits(const PairingAttempt& attempt,
+                                                                 const Now& now, const Add& add) {
+  if (attempt.proof.empty() && !is_code(attempt.code)) {
+    return refuse(400, "'code' must be the six digits that the computer shows");
+  }
+  std::vector<Code> codes;
+  {
+    const std::scoped_lock lock(guard_mutex_);
+    const double wait_s = options_.is_secret ? guard_.own_wait_s(attempt.peer, now.steady_s)
+                                             : guard_.wait_s(attempt.peer, now.steady_s);
+    if (wait_s > 0) return tl::unexpected(refusal_to_wait(wait_s));
+    if (guard_.wait_s(now.steady_s) == 0) codes = guard_.codes(now.steady_s);
+  }
+  std::erase_if(codes, [](const Code& code) { return code.digits.empty(); });
+  if (!attempt.proof.empty() && options_.proof_wait_s) {
+    if (const double wait_s = options_.proof_wait_s(attempt.peer, now); wait_s > 0) {
+      return tl::unexpected(refusal_to_wait(wait_s));
+    }
+  }
+  const Expected<Judged> judged = judge(std::move(codes), attempt);
+  if (!judged) return refuse(400, judged.error().message);
+  if (!judged->known) {
+    const std::scoped_lock lock(guard_mutex_);
+    guard_.wrong(attempt.peer, now.steady_s);
+    return refuse(401, "the code is wrong or no longer valid; ask for a new one");
+  }
+  Expected<Pairing> pairing = add(judged->known->role, attempt.name);
+  if (!pairing) return refuse(500, pairing.error().message);
+  const std::scoped_lock lock(guard_mutex_);
+  guard_.right(attempt.peer, judged->known->digits);
+  pairing->proof = judged->proof;
+  return *std::move(pairing);
+}
+
+tl::expected<Pairing, PairingRefusal> PairingDoor::redeem(const PairingAttempt& attempt,
+                                                          const Now& now, const Add& add) {
+  if (!is_device_name(attempt.name)) {
+    return refuse(400, "'name' must have 1 to 64 bytes, without control characters");
+  }
+  const std::scoped_lock one_by_one(attempt_mutex_);
+  const bool by_secret = attempt.proves_secret || !attempt.secret.empty();
+  return by_secret ? redeem_secret(attempt, now, add) : redeem_digits(attempt, now, add);
+}
+
+}  // namespace roomwise::service
