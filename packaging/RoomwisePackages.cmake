@@ -75,8 +75,8 @@ roomwise_package(device roomwise-device
   SUGGESTS "speech-dispatcher-espeak-ng"
   DESCRIPTION "wearable's end of Roomwise: sends what a camera sees, speaks what is answered
 In a home that Roomwise has mapped, a small computer that is carried sends the
-pictures of its camera to the home's computer and says what comes back: in which
-room its wearer is, where things are, and the way to them.
+pictures of its camera to the home's computer and says what comes back: in
+which room its wearer is, where things are, and the way to them.
 .
 This package has that alone, for small boards. It is also in the package
 roomwise, as roomwise device.")
