@@ -11,12 +11,28 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kBetweenNews = std::chrono::milliseconds(200);
 
 // A fault in the work must not end the program.
-Expected<std::string> carry_out(const Jobs::Body& body, Progress& progress) {
+Expected<JobEnd> carry_out(const Jobs::Body& body, Progress& progress) {
   try {
     return body(progress);
   } catch (const std::exception& fault) {
     return fail("internal error, please report it: {}", fault.what());
   }
+}
+
+// What pages say of an error of which nothing else is known.
+std::string message_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kInterrupted:
+      return "stopped";
+    case ErrorCode::kDiskFull:
+      return "disk_full";
+    case ErrorCode::kDamaged:
+      return "damaged";
+    case ErrorCode::kFailed:
+    case ErrorCode::kRefused:
+      break;
+  }
+  return "failed";
 }
 
 }  // namespace
@@ -94,14 +110,15 @@ Expected<void> Jobs::start(const std::string& kind, Body body) {
     report_({.kind = kind, .state = state.state});
     publish(state);
     Teller teller(*this, state);
-    const Expected<std::string> done = carry_out(body, teller);
-    state.fraction = done ? 1 : 0;
-    state.state = done                                           ? "done"
-                  : done.error().code == ErrorCode::kInterrupted ? "stopped"
-                                                                 : "failed";
-    state.text = done ? *done : done.error().message;
-    report_({kind, state.state, state.text, done ? ErrorCode::kFailed : done.error().code,
-             seconds_since(began)});
+    const Expected<JobEnd> end = carry_out(body, teller);
+    const ErrorCode code = end ? ErrorCode::kFailed : end.error().code;
+    const bool is_done = end && !end->has_failed;
+    state.fraction = is_done ? 1 : 0;
+    state.state = is_done ? "done" : code == ErrorCode::kInterrupted ? "stopped" : "failed";
+    state.text = end ? end->text : end.error().message;
+    state.message = end ? end->message : message_of(code);
+    if (end) state.values = end->values;
+    report_({kind, state.state, state.text, code, seconds_since(began)});
     {
       const std::scoped_lock lock(mutex_);
       state_ = state;

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -23,6 +24,18 @@ struct JobNews {
   double seconds = 0;                   // that it took
 };
 
+// What came of work: a sentence for the log and, for pages, which of their own sentences says it
+// (docs/protocol.md), with its numbers. Failures whose mend people know have one, too.
+struct JobEnd {
+  std::string text = {};
+  std::string message = {};
+  std::map<std::string, std::int64_t> values = {};
+  bool has_failed = false;
+};
+[[nodiscard]] inline JobEnd job_failure(std::string message, std::string text) {
+  return {std::move(text), std::move(message), {}, true};
+}
+
 // Long work in the background, one piece at a time, that tells how far it is and can be stopped.
 class Jobs {
  public:
@@ -35,9 +48,9 @@ class Jobs {
       : tell_(std::move(tell)), report_(std::move(report)) {}
   ~Jobs();  // stops the work and waits for it
 
-  // What is done: gets a place to tell how far it is, which also says when to stop; returns a
-  // sentence on what came of it.
-  using Body = std::function<Expected<std::string>(Progress&)>;
+  // What is done: gets a place to tell how far it is, which also says when to stop; returns what
+  // came of it.
+  using Body = std::function<Expected<JobEnd>(Progress&)>;
   // Fails where a job is running already.
   [[nodiscard]] Expected<void> start(const std::string& kind, Body body);
   // Asks the running job to stop, of that kind if one is given. False where none such is running.

@@ -26,11 +26,11 @@ TEST(Jobs, TellWhatIsDoneAndWhatCameOfIt) {
   Told told;
   Jobs jobs(std::ref(told));
   EXPECT_FALSE(jobs.state());
-  ASSERT_OK(jobs.start("map", [](Progress& progress) -> Expected<std::string> {
+  ASSERT_OK(jobs.start("map", [](Progress& progress) -> Expected<JobEnd> {
     progress.begin("mapping", 4);
     progress.advance(1, "one");
     progress.begin("fusing", 2);
-    return "all well";
+    return JobEnd{"all well", "mapped", {{"placed", 7}}};
   }));
   jobs.wait();
   const auto last = jobs.state();
@@ -38,6 +38,8 @@ TEST(Jobs, TellWhatIsDoneAndWhatCameOfIt) {
   EXPECT_EQ(last->kind, "map");
   EXPECT_EQ(last->state, "done");
   EXPECT_EQ(last->text, "all well");
+  EXPECT_EQ(last->message, "mapped");
+  EXPECT_EQ(last->values.at("placed"), 7);
   EXPECT_EQ(last->fraction, 1);
   std::vector<std::string> stages;
   const std::scoped_lock lock(told.mutex);  // it may be told still that the job is done
@@ -50,23 +52,23 @@ TEST(Jobs, TellWhatIsDoneAndWhatCameOfIt) {
 TEST(Jobs, OneAtATime) {
   Jobs jobs([](const service::JobState&) {});
   std::promise<void> go;
-  ASSERT_OK(jobs.start("learn", [&](Progress&) -> Expected<std::string> {
+  ASSERT_OK(jobs.start("learn", [&](Progress&) -> Expected<JobEnd> {
     go.get_future().wait();
-    return "";
+    return JobEnd{};
   }));
   EXPECT_TRUE(jobs.running());
-  EXPECT_ERROR(jobs.start("map", [](Progress&) -> Expected<std::string> { return ""; }), "learn");
+  EXPECT_ERROR(jobs.start("map", [](Progress&) -> Expected<JobEnd> { return JobEnd{}; }), "learn");
   EXPECT_FALSE(jobs.stop("map")) << "another is running";
   go.set_value();
   jobs.wait();
-  EXPECT_OK(jobs.start("map", [](Progress&) -> Expected<std::string> { return ""; }));
+  EXPECT_OK(jobs.start("map", [](Progress&) -> Expected<JobEnd> { return JobEnd{}; }));
 }
 
 TEST(Jobs, AreStoppedWhenAskedAndWhenTheyGo) {
   Told told;
   {
     Jobs jobs(std::ref(told));
-    const auto until_stopped = [](Progress& progress) -> Expected<std::string> {
+    const auto until_stopped = [](Progress& progress) -> Expected<JobEnd> {
       while (!progress.interrupted()) std::this_thread::yield();
       return Unexpected(progress.check("mapping").error());
     };
@@ -74,6 +76,7 @@ TEST(Jobs, AreStoppedWhenAskedAndWhenTheyGo) {
     EXPECT_TRUE(jobs.stop());
     jobs.wait();
     EXPECT_EQ(jobs.state()->state, "stopped");
+    EXPECT_EQ(jobs.state()->message, "stopped");
     EXPECT_FALSE(jobs.stop());
     ASSERT_OK(jobs.start("map", until_stopped));
   }
@@ -82,7 +85,7 @@ TEST(Jobs, AreStoppedWhenAskedAndWhenTheyGo) {
 
 TEST(Jobs, AFailureOfWorkThatWasToStopIsAFailure) {
   Jobs jobs([](const service::JobState&) {});
-  ASSERT_OK(jobs.start("map", [](Progress& progress) -> Expected<std::string> {
+  ASSERT_OK(jobs.start("map", [](Progress& progress) -> Expected<JobEnd> {
     while (!progress.interrupted()) std::this_thread::yield();
     return fail("no disk");
   }));
@@ -95,7 +98,7 @@ TEST(Jobs, AFailureOfWorkThatWasToStopIsAFailure) {
 TEST(Jobs, AFaultInTheWorkIsAFailure) {
   Jobs jobs([](const service::JobState&) {});
   ASSERT_OK(jobs.start(
-      "map", [](Progress&) -> Expected<std::string> { throw std::runtime_error("out of range"); }));
+      "map", [](Progress&) -> Expected<JobEnd> { throw std::runtime_error("out of range"); }));
   jobs.wait();
   EXPECT_EQ(jobs.state()->state, "failed");
   EXPECT_THAT(jobs.state()->text, HasSubstr("out of range"));
@@ -103,10 +106,27 @@ TEST(Jobs, AFaultInTheWorkIsAFailure) {
 
 TEST(Jobs, AFailureIsToldWithItsReason) {
   Jobs jobs([](const service::JobState&) {});
-  ASSERT_OK(jobs.start("map", [](Progress&) -> Expected<std::string> { return fail("no disk"); }));
+  ASSERT_OK(jobs.start("map", [](Progress&) -> Expected<JobEnd> { return fail("no disk"); }));
   jobs.wait();
   EXPECT_EQ(jobs.state()->state, "failed");
   EXPECT_EQ(jobs.state()->text, "no disk");
+  EXPECT_EQ(jobs.state()->message, "failed");
+}
+
+TEST(Jobs, AFailureThatPeopleCanMendIsToldByName) {
+  Jobs jobs([](const service::JobState&) {});
+  ASSERT_OK(jobs.start("learn", [](Progress&) -> Expected<JobEnd> {
+    return job_failure("no_room_named", "no room is named");
+  }));
+  jobs.wait();
+  EXPECT_EQ(jobs.state()->state, "failed");
+  EXPECT_EQ(jobs.state()->message, "no_room_named");
+  EXPECT_EQ(jobs.state()->text, "no room is named");
+  ASSERT_OK(jobs.start("map", [](Progress&) -> Expected<JobEnd> {
+    return fail_with(ErrorCode::kDiskFull, "no disk");
+  }));
+  jobs.wait();
+  EXPECT_EQ(jobs.state()->message, "disk_full");
 }
 
 }  // namespace

@@ -258,15 +258,15 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<void> start_mapping(const std::filesystem::path& folder);
   // All that waits to be mapped, one walk after the other.
   [[nodiscard]] Expected<void> start_mapping_what_waits();
-  [[nodiscard]] Expected<std::string> map_folder(const std::filesystem::path& folder,
-                                                 Progress& progress);
+  [[nodiscard]] Expected<JobEnd> map_folder(const std::filesystem::path& folder,
+                                            Progress& progress);
   // While it is recorded, to its end.
   [[nodiscard]] Expected<void> start_mapping(std::shared_ptr<const WalkRecorder> walk);
   // `walk`: the frames in the folder. A walk that was left unfinished is finished first.
-  [[nodiscard]] Expected<std::string> map(const std::filesystem::path& folder,
-                                          recording::FrameSource& walk, Progress& progress);
-  [[nodiscard]] Expected<std::string> prepare(Progress& progress);
-  [[nodiscard]] Expected<std::string> learn_now(Progress& progress);
+  [[nodiscard]] Expected<JobEnd> map(const std::filesystem::path& folder,
+                                     recording::FrameSource& walk, Progress& progress);
+  [[nodiscard]] Expected<JobEnd> prepare(Progress& progress);
+  [[nodiscard]] Expected<JobEnd> learn_now(Progress& progress);
   [[nodiscard]] std::filesystem::path walks_folder() const;
   [[nodiscard]] std::filesystem::path lenses_file() const;
   [[nodiscard]] std::filesystem::path uploads_folder() const;

@@ -29,7 +29,7 @@ Expected<void> LiveHome::go_on_preparing() {
   return start_preparing();
 }
 
-Expected<std::string> LiveHome::prepare(Progress& progress) {
+Expected<JobEnd> LiveHome::prepare(Progress& progress) {
   pipeline::OwnRunContext run(options_.threads, progress);
   // By a reader of its own, so that pictures can be looked at meanwhile.
   ROOMWISE_TRY(const home::Home reader, home::Home::open_read_only(file_, options_.open));
@@ -49,7 +49,7 @@ Expected<std::string> LiveHome::prepare(Progress& progress) {
   // A new walk may show what was taught.
   const bool is_looked_for = view()->own_things.empty() || view()->own_thing_watch != nullptr;
   if (!is_looked_for) ROOMWISE_CHECK_OK(look_for_own_things(progress).map([](bool) {}));
-  return "places can be found on the map now";
+  return JobEnd{"places can be found on the map now", "prepared"};
 }
 
 Expected<void> LiveHome::learn() {
@@ -61,8 +61,9 @@ Expected<void> LiveHome::learn() {
     }
   }
   static_cast<void>(stop_preparing());  // it is gone on with afterwards
-  return jobs_->start("learn", [this](Progress& progress) -> Expected<std::string> {
-    ROOMWISE_TRY(std::string learned, learn_now(progress));
+  return jobs_->start("learn", [this](Progress& progress) -> Expected<JobEnd> {
+    ROOMWISE_TRY(JobEnd learned, learn_now(progress));
+    if (learned.has_failed) return learned;
     const auto now = view();
     const bool is_ready = now->map && now->map->clouds;
     if (!is_ready && !now->walks.empty()) ROOMWISE_CHECK_OK(prepare(progress));
@@ -70,7 +71,7 @@ Expected<void> LiveHome::learn() {
   });
 }
 
-Expected<std::string> LiveHome::learn_now(Progress& progress) {
+Expected<JobEnd> LiveHome::learn_now(Progress& progress) {
   const std::scoped_lock lock(home_mutex_);
   pipeline::OwnRunContext run(options_.threads, progress);
   ROOMWISE_TRY(const auto recordings, home_.recordings());
@@ -83,6 +84,11 @@ Expected<std::string> LiveHome::learn_now(Progress& progress) {
   pipeline::RoomLearning learning;
   learning.variants = options_.augment;
   learning.photos = photos;
+  const bool is_any_named = std::ranges::any_of(
+      view()->walks, [](const ViewedWalk& walk) { return !walk.labels.ranges().empty(); });
+  if (!is_any_named && photos.empty()) {
+    return job_failure("no_room_named", "no room of a walk is named; name its rooms first");
+  }
   const auto taken = view()->walks_taken_away();
   if (!taken.empty()) {  // nothing more is learned of what is to be forgotten
     for (const ViewedWalk& walk : view()->walks) {
@@ -90,7 +96,8 @@ Expected<std::string> LiveHome::learn_now(Progress& progress) {
       if (is_named && !taken.contains(walk.stored.id)) learning.walks.push_back(walk.stored.id);
     }
     if (learning.walks.empty() && photos.empty()) {
-      return fail("no room of a walk that stays is named; name its rooms first");
+      return job_failure("no_room_named",
+                         "no room of a walk that stays is named; name its rooms first");
     }
   }
   const bool has_walk = taken.empty() ? !recordings.empty() : !learning.walks.empty();
@@ -98,11 +105,16 @@ Expected<std::string> LiveHome::learn_now(Progress& progress) {
                has_walk ? pipeline::learn_rooms_from_keyframes(home_, {}, learning, networks_, run)
                         : learn_from_photos());
   ROOMWISE_CHECK_OK(refresh(view()->map));
-  return fmt::format(
-      "{} rooms learned; as a test, {} of {} pictures that were kept apart were named rightly",
-      report.rooms.size(),
-      std::llround(report.held_out_precision() * static_cast<double>(report.held_out)),
-      report.held_out);
+  const auto right =
+      std::llround(report.held_out_precision() * static_cast<double>(report.held_out));
+  return JobEnd{
+      fmt::format(
+          "{} rooms learned; as a test, {} of {} pictures that were kept apart were named rightly",
+          report.rooms.size(), right, report.held_out),
+      "learned",
+      {{"rooms", static_cast<std::int64_t>(report.rooms.size())},
+       {"right", right},
+       {"tested", static_cast<std::int64_t>(report.held_out)}}};
 }
 
 Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string& name) {
@@ -158,8 +170,8 @@ Expected<void> LiveHome::start_mapping(const fs::path& folder) {
 }
 
 Expected<void> LiveHome::start_mapping_what_waits() {
-  return jobs_->start("map", [this](Progress& progress) -> Expected<std::string> {
-    Expected<std::string> mapped = "nothing waited to be mapped";
+  return jobs_->start("map", [this](Progress& progress) -> Expected<JobEnd> {
+    Expected<JobEnd> mapped = JobEnd{"nothing waited to be mapped", "nothing_waited"};
     while (mapped) {
       ROOMWISE_TRY(const auto walk, waiting_walk());
       if (!walk) return mapped;
@@ -181,20 +193,20 @@ Expected<void> LiveHome::go_on_mapping() {
   return fail("no walk waits to be mapped");
 }
 
-Expected<std::string> LiveHome::map_folder(const fs::path& folder, Progress& progress) {
+Expected<JobEnd> LiveHome::map_folder(const fs::path& folder, Progress& progress) {
   ROOMWISE_TRY(const auto walk, recording::open_recording(folder));
   return map(folder, *walk, progress);
 }
 
 Expected<void> LiveHome::start_mapping(std::shared_ptr<const WalkRecorder> walk) {
-  return jobs_->start("map", [this, walk](Progress& progress) -> Expected<std::string> {
+  return jobs_->start("map", [this, walk](Progress& progress) -> Expected<JobEnd> {
     ROOMWISE_TRY(const auto frames, WalkFrames::open(walk, progress));
     return map(walk->folder(), *frames, progress);
   });
 }
 
-Expected<std::string> LiveHome::map(const fs::path& folder, recording::FrameSource& walk,
-                                    Progress& progress) {
+Expected<JobEnd> LiveHome::map(const fs::path& folder, recording::FrameSource& walk,
+                               Progress& progress) {
   ROOMWISE_TRY(const auto unfinished, unfinished_walk());
   if (unfinished && *unfinished != folder) {
     const auto finished = map_folder(*unfinished, progress);
@@ -231,11 +243,18 @@ Expected<std::string> LiveHome::map(const fs::path& folder, recording::FrameSour
     ROOMWISE_CHECK_OK(refresh(nullptr));
   }
   ROOMWISE_CHECK_OK(prepare(progress));
-  std::string text = fmt::format("{} of {} pictures have a place on the map; {} things found",
-                                 summary.placed, summary.frames, summary.instances);
-  if (!frames.damage().empty())
-    text += fmt::format("; {} pictures cannot be read", frames.damage().size());
-  return text;
+  JobEnd end{fmt::format("{} of {} pictures have a place on the map; {} things found",
+                         summary.placed, summary.frames, summary.instances),
+             "mapped",
+             {{"placed", static_cast<std::int64_t>(summary.placed)},
+              {"pictures", static_cast<std::int64_t>(summary.frames)},
+              {"things", static_cast<std::int64_t>(summary.instances)}}};
+  if (!frames.damage().empty()) {
+    end.text += fmt::format("; {} pictures cannot be read", frames.damage().size());
+    end.message = "mapped_damaged";
+    end.values["damaged"] = static_cast<std::int64_t>(frames.damage().size());
+  }
+  return end;
 }
 
 }  // namespace roomwise::live

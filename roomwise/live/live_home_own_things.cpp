@@ -151,13 +151,13 @@ Expected<void> LiveHome::teach(const std::shared_ptr<Device>& device, const std:
                              .taught_s = unix_now_ns() / kNanoseconds};
   return jobs_->start(
       "teach",
-      [this, device, thing, shown = std::move(shown)](Progress& progress) -> Expected<std::string> {
+      [this, device, thing, shown = std::move(shown)](Progress& progress) -> Expected<JobEnd> {
         auto taught = teach_now(thing, shown, progress);
         device->was_taught(thing.name, taught);
         // Helpers and the log are told of the job, and not what the thing is called.
         if (!taught && taught.error().code == ErrorCode::kRefused) {
-          return fail_with(ErrorCode::kRefused,
-                           "a thing's name will not do any more; give it another");
+          return job_failure("name_is_none",
+                             "a thing's name will not do any more; give it another");
         }
         const auto now = view();
         const bool is_ready = now->map && now->map->clouds;
@@ -165,9 +165,9 @@ Expected<void> LiveHome::teach(const std::shared_ptr<Device>& device, const std:
           if (auto prepared = prepare(progress); !prepared) return prepared;
         }
         return taught.map([&](bool is_looked_for) {
-          return std::string(is_looked_for
-                                 ? "a thing is known now"
-                                 : "a thing is known, and looked for once there is a walk");
+          return is_looked_for ? JobEnd{"a thing is known now", "taught"}
+                               : JobEnd{"a thing is known, and looked for once there is a walk",
+                                        "taught_for_later"};
         });
       });
 }
@@ -216,10 +216,10 @@ Expected<void> LiveHome::change_own_thing(const service::Identity& who, const st
   ROOMWISE_CHECK_OK(while_idle([&] { return change(change_it); }));
   // The others are looked for as before; what was usual was worked out with it.
   if (view()->own_things.empty() || jobs_->running()) return {};
-  return jobs_->start("teach", [this](Progress& progress) -> Expected<std::string> {
+  return jobs_->start("teach", [this](Progress& progress) -> Expected<JobEnd> {
     const std::scoped_lock lock(home_mutex_);
     ROOMWISE_CHECK_OK(look_for_own_things(progress).map([](bool) {}));
-    return "what is left is looked for as before";
+    return JobEnd{"what is left is looked for as before", "looked_for"};
   });
 }
 

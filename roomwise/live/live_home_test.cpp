@@ -117,6 +117,8 @@ class LiveHomeTest : public ::testing::Test {
     home->jobs().wait();
     ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
     EXPECT_THAT(home->jobs().state()->text, HasSubstr(fmt::format("of {} pictures", kFrames)));
+    EXPECT_EQ(home->jobs().state()->message, "mapped");
+    EXPECT_EQ(home->jobs().state()->values.at("pictures"), kFrames);
     belt.session->on_closed();
   }
   void learn_two_rooms() {
@@ -124,6 +126,8 @@ class LiveHomeTest : public ::testing::Test {
     ASSERT_OK(home->learn());
     home->jobs().wait();
     ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
+    EXPECT_EQ(home->jobs().state()->message, "learned");
+    EXPECT_EQ(home->jobs().state()->values.at("rooms"), 2);
   }
   [[nodiscard]] std::string bytes_of_home() const {
     std::string all;
@@ -786,6 +790,7 @@ TEST_F(HandedIn, WhatIsNoRecordingIsToldAndWaits) {
   home->jobs().wait();
   EXPECT_EQ(home->jobs().state()->state, "failed");
   EXPECT_THAT(home->jobs().state()->text, HasSubstr("neither a zip archive nor a recording"));
+  EXPECT_EQ(home->jobs().state()->message, "no_recording");
   service::MetricsText metrics;
   home->write_metrics(metrics);
   EXPECT_THAT(metrics.text(), HasSubstr("jobs_total{job=\"map\",state=\"failed\"} 1\n"));

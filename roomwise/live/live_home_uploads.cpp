@@ -51,13 +51,15 @@ Expected<fs::path> recording_in(const fs::path& folder, const std::string& name)
   const std::vector<fs::path> found = recordings_in(folder, kMaxDepth);
   if (found.size() == 1) return found.front();
   if (found.size() > 1) {
-    return fail("'{}' holds several recordings; hand them in one by one", name);
+    return fail_with(ErrorCode::kRefused, "'{}' holds several recordings; hand them in one by one",
+                     name);
   }
   std::string kinds;
   for (const recording::RecordingKind& kind : recording::recording_kinds()) {
     kinds += fmt::format("{}{}", kinds.empty() ? "" : ", ", kind.name);
   }
-  return fail("'{}' holds no recording of a kind that is read; these are: {}", name, kinds);
+  return fail_with(ErrorCode::kRefused,
+                   "'{}' holds no recording of a kind that is read; these are: {}", name, kinds);
 }
 
 Expected<void> move_to(const fs::path& from, const fs::path& to) {
@@ -85,8 +87,12 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
                 upload.bytes);
   }
   ROOMWISE_CHECK_OK(check_idle());
-  return jobs_->start("map", [this, upload](Progress& progress) -> Expected<std::string> {
-    ROOMWISE_TRY(const fs::path path, take_in(upload, progress));
+  return jobs_->start("map", [this, upload](Progress& progress) -> Expected<JobEnd> {
+    const auto taken_in = take_in(upload, progress);
+    if (!taken_in && taken_in.error().code == ErrorCode::kRefused) {
+      return job_failure("no_recording", taken_in.error().message);
+    }
+    ROOMWISE_TRY(const fs::path path, taken_in);
     auto mapped = map_folder(path, progress);
     ROOMWISE_TRY(const bool is_in_home, has_recording_of(path));
     if (is_in_home) {
@@ -125,12 +131,15 @@ Expected<fs::path> LiveHome::take_in(const Upload& upload, const fs::path& unpac
     return path;
   }
   if (!recording::is_zip_file(file)) {
-    return fail("'{}' is neither a zip archive nor a recording that is read", upload.name);
+    return fail_with(ErrorCode::kRefused,
+                     "'{}' is neither a zip archive nor a recording that is read", upload.name);
   }
   recording::UnpackLimits limits;
   ROOMWISE_TRY(limits.max_bytes, uploads_->room_bytes());
   if (limits.max_bytes == 0) {
-    return fail("the computer's disk has no room to unpack '{}'; free some space", upload.name);
+    return fail_with(ErrorCode::kDiskFull,
+                     "the computer's disk has no room to unpack '{}'; free some space",
+                     upload.name);
   }
   ROOMWISE_CHECK_OK(recording::unpack_zip(file, unpacked, limits, progress));
   ROOMWISE_TRY(const fs::path found, recording_in(unpacked, upload.name));

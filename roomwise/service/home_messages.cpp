@@ -66,7 +66,7 @@ OrderedJson to_json(const RecordingState& recording) {
 OrderedJson to_json(const JobState& job) {
   return {{"type", "job"},      {"kind", job.kind},         {"state", job.state},
           {"stage", job.stage}, {"fraction", job.fraction}, {"left_s", or_null(job.left_s)},
-          {"text", job.text}};
+          {"text", job.text},   {"message", job.message},   {"values", OrderedJson(job.values)}};
 }
 
 OrderedJson to_json(const DeviceSeen& device) {
@@ -166,6 +166,14 @@ Expected<HomeMessage> read_job(const OrderedJson& json) {
   job.fraction = members.number("fraction", 0, 1);
   if (members.has("left_s")) job.left_s = members.number("left_s", 0, 1e9);
   job.text = members.text("text", kMaxSentenceBytes);
+  job.message = members.text("message");
+  if (const OrderedJson* const values = members.object("values")) {
+    Members numbers(*values);
+    for (const auto& [name, value] : values->items()) {
+      job.values[name] = numbers.whole(name.c_str(), 0, kMaxWhole);
+    }
+    if (numbers.error()) return Unexpected(Error(*numbers.error()));
+  }
   return members.finish<HomeMessage>(std::move(job));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -215,7 +216,10 @@ struct JobState {
   std::string stage;
   double fraction = 0;
   std::optional<double> left_s;
-  std::string text;
+  std::string text;  // in English, as in the log
+  // How it ended, which pages say in their language with these numbers; empty while it runs.
+  std::string message = {};
+  std::map<std::string, std::int64_t> values = {};
 };
 
 struct DeviceSeen {

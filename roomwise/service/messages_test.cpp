@@ -141,6 +141,11 @@ TEST(Messages, WhatTheComputerSaysComesBack) {
   EXPECT_EQ(read_back_home<FrameArrived>(FrameArrived{3.5, 2}).dropped, 2U);
   EXPECT_EQ(read_back_home<RecordingState>(RecordingState{7, "saved", "walk", 17, ""}).frames, 17U);
   EXPECT_FALSE(read_back_home<JobState>(JobState{"map", "running", "mapping", 0.4, {}, ""}).left_s);
+  const std::map<std::string, std::int64_t> values{{"frames", 9}, {"placed", 7}};
+  const auto job =
+      read_back_home<JobState>(JobState{"map", "done", "", 1, {}, "well", "mapped", values});
+  EXPECT_EQ(job.message, "mapped");
+  EXPECT_EQ(job.values, values);
   EXPECT_TRUE(read_back_home<DeviceSeen>(DeviceSeen{3, "phone", true, seen}).seen);
   EXPECT_EQ(read_back_home<ErrorMessage>(ErrorMessage{"no", 4}).answer_to, 4);
 }

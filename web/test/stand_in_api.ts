@@ -436,6 +436,6 @@ export function tellRecording(
 export function tellJob(
   server: StandInServer, state: JobState, fraction: number, stage: string, kind: Job['kind'] = server.state.job?.kind ?? 'learn',
 ): void {
-  server.state.job = { type: 'job', kind, state, stage, fraction, left_s: state === 'running' ? 70 : null, text: '' };
+  server.state.job = { type: 'job', kind, state, stage, fraction, left_s: state === 'running' ? 70 : null, text: '', message: state === 'stopped' ? 'stopped' : '', values: {} };
   server.tell('helper', server.state.job);
 }

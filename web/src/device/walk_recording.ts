@@ -2,6 +2,7 @@
 import { messageOf, request } from '../shared/api';
 import { openDialog } from '../shared/dialog';
 import { h } from '../shared/dom';
+import { wordsOfEnd } from '../shared/job_words';
 import type { Job, Role } from '../shared/protocol';
 import { counted, text, type TextKey } from '../shared/texts';
 import { ArCamera, canRecord, failureOf, type Taken } from './ar/ar_camera';
@@ -152,10 +153,11 @@ export class WalkRecording {
     }
   }
 
-  private hearJob({ kind, state, text: why }: Job): void {
+  private hearJob(job: Job): void {
+    const { kind, state } = job;
     if (kind === 'map' && state !== 'running' && this.waitsForMap) {
       this.waitsForMap = false;
-      const words = [text(`job.map_${state}`), state === 'done' ? text('ar.next') : why];
+      const words = [text(`job.map_${state}`), state === 'done' ? text('ar.next') : wordsOfEnd(job)];
       this.say(words.join(' '), state === 'done' ? 'back' : 'alert');
     }
   }

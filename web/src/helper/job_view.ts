@@ -1,6 +1,7 @@
 // How far a job is: a bar and words; every quarter of it is announced.
 import { request } from '../shared/api';
 import { h } from '../shared/dom';
+import { wordsOfEnd } from '../shared/job_words';
 import type { Job, JobKind } from '../shared/protocol';
 import { counted, formatPercent, text } from '../shared/texts';
 import { actOrSay, type Helper } from './actions';
@@ -48,16 +49,10 @@ export function jobView(helper: Helper, ...kinds: [JobKind, ...JobKind[]]): HTML
 
 function wordsOf(job: Job): string {
   if (job.state !== 'running') {
-    return [text(`job.${job.kind}_${job.state}`), sentence(job.text)].filter((part) => part !== '').join(' ');
+    return [text(`job.${job.kind}_${job.state}`), wordsOfEnd(job)].filter((part) => part !== '').join(' ');
   }
   const left = job.left_s === null ? '' : leftOf(job.left_s);
   return [text(`job.${job.kind}`), formatPercent(job.fraction), left].filter((part) => part !== '').join(', ');
-}
-
-// As the computer's words stand behind the page's own.
-function sentence(words: string): string {
-  const whole = words.charAt(0).toUpperCase() + words.slice(1);
-  return whole === '' || /[.!?]$/.test(whole) ? whole : `${whole}.`;
 }
 
 function leftOf(seconds: number): string {

@@ -77,7 +77,9 @@ export interface Job {
   stage: string;
   fraction: number;
   left_s: number | null;
-  text: string;
+  text: string; // in English
+  message: string; // how it ended, to be said in the page's language (job_words.ts); empty while it runs
+  values: Record<string, number>; // that belong into the message
 }
 
 export interface DeviceSeen {

@@ -1,0 +1,27 @@
+// What came of the computer's long work, in the page's language.
+import type { Job } from './protocol';
+import { formatNumber, text, type TextKey } from './texts';
+
+const kEnds: Record<string, TextKey> = {
+  prepared: 'job.end.prepared', mapped: 'job.end.mapped', mapped_damaged: 'job.end.mapped_damaged', nothing_waited: 'job.end.nothing_waited',
+  learned: 'job.end.learned', no_room_named: 'job.end.no_room_named', no_recording: 'job.end.no_recording',
+  disk_full: 'job.end.disk_full', damaged: 'job.end.damaged',
+};
+
+// Behind `job.KIND_STATE`; empty where that says all. What the pages have no words for stands as the computer has it, in English.
+export function wordsOfEnd(job: Job): string {
+  if (job.message === 'stopped') {
+    return job.kind === 'map' ? text('job.end.goes_on') : '';
+  }
+  const key = kEnds[job.message];
+  if (key !== undefined) {
+    const values = Object.entries(job.values).map(([name, value]) => [name, formatNumber(value)]);
+    return text(key, Object.fromEntries(values));
+  }
+  return job.text === '' ? '' : text('job.end.says', { text: sentence(job.text) });
+}
+
+function sentence(words: string): string {
+  const whole = words.charAt(0).toUpperCase() + words.slice(1);
+  return /[.!?]$/.test(whole) ? whole : `${whole}.`;
+}

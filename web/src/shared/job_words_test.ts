@@ -1,0 +1,45 @@
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { wordsOfEnd } from './job_words';
+import type { Job } from './protocol';
+import { kLanguages, setLanguage } from './texts';
+
+const ended = (message: string, values: Record<string, number> = {}, kind: Job['kind'] = 'map'): Job => ({
+  type: 'job', kind, state: 'done', stage: '', fraction: 1, left_s: null, text: 'the door is red', message, values,
+});
+
+test('what a job came to is said in the language of the page, with its numbers', () => {
+  const jobs = [
+    ended('prepared'), ended('mapped', { placed: 1234, pictures: 2000, things: 7 }), ended('nothing_waited'),
+    ended('mapped_damaged', { placed: 1234, pictures: 2000, things: 7, damaged: 3 }), ended('stopped'),
+    ended('learned', { rooms: 3, right: 9, tested: 10 }), ended('no_room_named'), ended('no_recording'), ended('disk_full'), ended('damaged'),
+  ];
+  const said = new Set<string>();
+  for (const { value } of kLanguages) {
+    setLanguage(value);
+    for (const job of jobs) {
+      const words = wordsOfEnd(job);
+      assert.match(words, /\.$/, `${job.message} in ${value}`);
+      assert.doesNotMatch(words, /[{}]|the door/i, `${job.message} in ${value}`);
+      said.add(words);
+    }
+  }
+  assert.equal(said.size, jobs.length * kLanguages.length, 'no two are alike');
+  setLanguage('de');
+  assert.equal(wordsOfEnd(jobs[1] as Job), 'Bilder mit einem Ort auf der Karte: 1.234 von 2.000. Gefundene Dinge: 7.');
+});
+
+test('what the pages have no words for is said as the computer has it', () => {
+  setLanguage('en');
+  assert.equal(wordsOfEnd(ended('failed')), 'The computer says: The door is red.');
+  assert.equal(wordsOfEnd(ended('something new')), 'The computer says: The door is red.');
+  assert.equal(wordsOfEnd({ ...ended(''), text: '' }), '');
+  setLanguage('fr');
+  assert.equal(wordsOfEnd(ended('failed')), "L'ordinateur dit, en anglais : The door is red.");
+});
+
+test('a job that was stopped goes on later where it is mapping', () => {
+  setLanguage('en');
+  assert.equal(wordsOfEnd(ended('stopped')), 'It goes on when the computer starts again.');
+  assert.equal(wordsOfEnd(ended('stopped', {}, 'learn')), '');
+});
