@@ -72,8 +72,8 @@ Expected<Answer> optimize_home(const OptimizeOptions& options, Context& context)
   const double error_before = mapping::pose_graph_error(before);
   cv::setNumThreads(1);  // the threads are ours
   CommandRun run(context);
-  const auto features = [&](const std::vector<bool>&) {
-    return pipeline::stored_keyframe_features(home, *settings, run);
+  const auto features = [&](std::span<const home::KeyframeId> ids) {
+    return pipeline::stored_keyframe_features(home, ids, *settings, run);
   };
   auto moved = pipeline::solve_stored_map(home, *settings, features, context.progress);
   if (!moved && moved.error().code == ErrorCode::kInterrupted) {

@@ -1,8 +1,12 @@
 #include "roomwise/mapping/backend/map_refinement.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
 
 #include "roomwise/mapping/backend/frame_poses.h"
+#include "roomwise/mapping/backend/refinement_windows.h"
 
 namespace roomwise::mapping {
 namespace {
@@ -10,18 +14,15 @@ namespace {
 using geometry::RigidTransform;
 using geometry::Vector6d;
 
-// Key-frames in the order of a bundle's cameras: first the first of each component, which are held.
-std::vector<std::uint32_t> places_of(const MapSolution& solution) {
-  std::vector<std::uint32_t> places(solution.component.size());
+// By key-frame id: whether it is the first of its component, which is held.
+std::vector<bool> firsts_of_components(const MapSolution& solution) {
   std::vector<bool> is_met(solution.components, false);
-  std::uint32_t next_held = 0;
-  auto next = static_cast<std::uint32_t>(solution.components);
-  for (std::size_t id = 0; id < places.size(); ++id) {
-    const bool is_first = !is_met[solution.component[id]];
-    is_met[solution.component[id]] = true;
-    places[id] = is_first ? next_held++ : next++;
+  std::vector<bool> is_first;
+  for (const std::size_t component : solution.component) {
+    is_first.push_back(!is_met[component]);
+    is_met[component] = true;
   }
-  return places;
+  return is_first;
 }
 
 // The edges that agree with the solution.
@@ -40,19 +41,54 @@ std::vector<PoseGraphEdge> agreeing_edges(const MapSolution& solution,
   return agreeing;
 }
 
-// How unsure the edges are of which views were taken by a rolling shutter: the top and the bottom
-// of a picture stand half a readout's motion from where the middle is.
-PoseGraphEdge with_shutter_motion(const PoseGraphEdge& edge,
-                                  std::span<const Vector6d> readout_motions) {
+// How unsure an edge is of which views were taken by a rolling shutter: the top and the bottom of a
+// picture stand half a readout's motion, which is given for both key-frames, from where the middle
+// is.
+PoseGraphEdge with_shutter_motion(const PoseGraphEdge& edge, const Vector6d& from,
+                                  const Vector6d& to) {
   constexpr double kShare = 0.5;     // of a picture's distortion that goes into the pose
   constexpr double kDistance_m = 1;  // at which a turn passes for a shift
-  const Vector6d difference = readout_motions[edge.from] - readout_motions[edge.to];
+  const Vector6d difference = from - to;
   const double angle = kShare * difference.head<3>().norm();
   PoseGraphEdge loose = edge;
   loose.information = motion::with_systematic_error(
       edge.information, kDistance_m * angle + kShare * difference.tail<3>().norm(), 0.5 * angle);
   return loose;
 }
+
+// All of a map that is small enough, else windows of it.
+std::vector<RefinementWindow> windows_of(const MapSolution& solution,
+                                         const RefinementOptions& options) {
+  const std::size_t count = solution.world_from_keyframe.size();
+  if (count > options.max_keyframes) {
+    const std::size_t third = options.max_keyframes / 3;
+    return refinement_windows(solution.world_from_keyframe, solution.component, third, third);
+  }
+  RefinementWindow all;
+  for (KeyframeId id = 0; id < count; ++id) all.own.push_back(id);
+  return {all};
+}
+
+// Which key-frames are the cameras of a window's bundle: those that are held come first.
+struct BundlePlaces {
+  std::vector<KeyframeId> keyframe;  // by place
+  std::vector<std::uint32_t> place;  // by key-frame id; kNone: it is none of them
+  std::size_t held = 0;
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+  [[nodiscard]] bool has(KeyframeId id) const { return place[id] != kNone; }
+};
+
+// What adjusting one window came to.
+struct AdjustedWindow {
+  std::size_t landmarks = 0;  // those that it has from no other window
+  std::size_t views = 0;      // of its own key-frames
+  double rms_px = 0;
+  int iterations = 0;
+  geometry::Termination termination = geometry::Termination::kConverged;
+  double readout_s = 0;
+  std::size_t telling_views = 0;  // of the last walk's key-frames whose motion is known
+};
 
 // One map on its way.
 class Refiner {
@@ -63,72 +99,264 @@ class Refiner {
         options_(options),
         progress_(progress),
         component_(solution.component),
-        places_(places_of(solution)),
+        is_first_(firsts_of_components(solution)),
         edges_(agreeing_edges(solution, inputs.edges, solver)),
-        poses_(solution.world_from_keyframe) {
-    bundle_.models.clear();
-    for (const RefinedWalk& walk : inputs.walks)
-      bundle_.models.push_back({walk.camera, options.residuals, walk.readout_s});
-    bundle_.models.back().readout_s = 0;
-    bundle_.fixed_cameras = solution.components;
-    bundle_.cameras.resize(poses_.size());
-    const auto pairs =
-        covisible_keyframes(inputs.features, poses_, solution.component, options.landmarks);
-    bundle_.landmarks = find_landmarks(inputs.features, poses_, pairs, options.landmarks);
-    for (Landmark& landmark : bundle_.landmarks)
-      for (LandmarkView& view : landmark.views) view.camera = places_[view.camera];
+        poses_(solution.world_from_keyframe),
+        windows_(windows_of(solution, options)),
+        graph_options_(solver.graph) {
+    for (std::uint32_t i = 0; i < inputs.walks.size(); ++i) {
+      const bool is_last = i + 1 == inputs.walks.size();
+      walk_of_.resize(is_last ? poses_.size() : inputs.walks[i + 1].first_keyframe, i);
+    }
   }
 
   Expected<MapRefinement> run() {
-    // At first the poses still err, and what is wrong is further off than that.
-    constexpr double kFirstSigmas = 10;
+    const bool is_whole = windows_.size() == 1;
+    most_of_window_ = static_cast<std::uint64_t>(options_.rounds * options_.bundle.max_iterations);
+    progress_.begin("adjusting landmarks", (is_whole ? 1 : 2) * windows_.size() * most_of_window_);
+    BundleOptions bundle = options_.bundle;
     MapRefinement refinement;
-    int done = 0;
-    const auto go_on = [&] {
-      progress_.advance(static_cast<std::uint64_t>(done++), "");
-      return progress_.check("landmarks were adjusted");
-    };
-    for (int round = 0; round < options_.rounds; ++round) {
-      set_bundle_cameras();
-      cull_views(bundle_, (round == 0 ? kFirstSigmas : 1) * options_.max_sigmas);
-      ROOMWISE_TRY(const BundleReport report, adjust_bundle(bundle_, options_.bundle, go_on));
-      refinement.iterations += report.solver.iterations;
-      refinement.termination = report.solver.termination;
-      refinement.rms_px = report.rms_px;
-      for (std::size_t id = 0; id < poses_.size(); ++id)
-        poses_[id] = bundle_.cameras[places_[id]].world_from_camera;
+    if (!is_whole) {
+      ROOMWISE_CHECK_OK(join_windows(refinement));
+      bundle.readout_sigma_s = 0;  // it is found once
     }
+    ROOMWISE_TRY(const auto adjusted, sweep(bundle, /*floats=*/false));
+    if (is_whole) readout_s_ = adjusted.front().readout_s;
+    sum_up(adjusted, refinement);
     refinement.world_from_keyframe = poses_;
-    if (knows_velocity_) refinement.readout_s = bundle_.models.back().readout_s;
-    refinement.landmarks = bundle_.landmarks.size();
-    for (const Landmark& landmark : bundle_.landmarks) refinement.views += landmark.views.size();
+    if (knows_velocity_) refinement.readout_s = readout_s_;
     return refinement;
   }
 
  private:
-  // The cameras as the poses are now, with the motions that follow from them.
-  void set_bundle_cameras() {
+  // Each window by itself measures anew how its key-frames lie to each other; the graph of these
+  // measurements says where all are. So what drifted is spread over all, and ends at no border.
+  Expected<void> join_windows(MapRefinement& refinement) {
+    measured_ = edges_;
+    is_measured_.assign(edges_.size(), false);
+    ROOMWISE_TRY(const auto floated, sweep(options_.bundle, /*floats=*/true));
+    readout_s_ = mean_readout_s(floated);
+    sum_up(floated, refinement);
+    PoseGraph graph;
+    graph.edges = std::move(measured_);
+    for (KeyframeId id = 0; id < poses_.size(); ++id) graph.world_from_node[id] = poses_[id];
+    PoseGraphOptions plain = graph_options_;
+    plain.relaxes_start = false;
+    ROOMWISE_CHECK_OK(optimize(graph, plain));
+    for (KeyframeId id = 0; id < poses_.size(); ++id) poses_[id] = graph.world_from_node[id];
+    return {};
+  }
+
+  Expected<std::vector<AdjustedWindow>> sweep(const BundleOptions& options, bool floats) {
+    update_velocities();
+    std::vector<AdjustedWindow> swept;
+    for (const RefinementWindow& window : windows_) {
+      ROOMWISE_TRY(swept.emplace_back(), adjust(window, options, floats));
+      done_ = ++windows_done_ * most_of_window_;
+    }
+    return swept;
+  }
+
+  static double mean_readout_s(const std::vector<AdjustedWindow>& windows) {
+    double sum = 0, views = 0;
+    for (const AdjustedWindow& window : windows) {
+      sum += static_cast<double>(window.telling_views) * window.readout_s;
+      views += static_cast<double>(window.telling_views);
+    }
+    return views > 0 ? sum / views : 0;
+  }
+
+  static void sum_up(const std::vector<AdjustedWindow>& windows, MapRefinement& refinement) {
+    double squares = 0;
+    refinement.landmarks = refinement.views = 0;
+    for (const AdjustedWindow& window : windows) {
+      refinement.landmarks += window.landmarks;
+      refinement.views += window.views;
+      squares += window.rms_px * window.rms_px * static_cast<double>(window.views);
+      refinement.iterations += window.iterations;
+      if (window.iterations > 0) refinement.termination = window.termination;
+    }
+    if (refinement.views > 0)
+      refinement.rms_px = std::sqrt(squares / static_cast<double>(refinement.views));
+  }
+
+  // How the cameras move, by the poses as they are now.
+  void update_velocities() {
     const SolvedKeyframes keyframes{poses_, inputs_.keyframe_times, component_};
-    std::vector<Vector6d> readout_motions;  // by key-frame id: while its picture was read out
+    velocities_.clear();
     knows_velocity_ = false;
     for (std::uint32_t i = 0; i < inputs_.walks.size(); ++i) {
       const RefinedWalk& walk = inputs_.walks[i];
       const auto frames = frame_poses(walk.frames, keyframes, edges_);
       const auto of_walk = keyframe_velocities(walk.frames, frames, keyframes);
-      const bool is_last = i + 1 == inputs_.walks.size();
-      const std::size_t end = is_last ? poses_.size() : inputs_.walks[i + 1].first_keyframe;
-      for (std::size_t id = walk.first_keyframe; id < end; ++id) {
-        readout_motions.emplace_back(bundle_.models[i].readout_s * of_walk[id]);
-        bundle_.cameras[places_[id]] = {poses_[id], of_walk[id], i};
+      for (KeyframeId id = walk.first_keyframe; id < poses_.size() && walk_of_[id] == i; ++id) {
+        velocities_.push_back(of_walk[id]);
+        const bool is_last = i + 1 == inputs_.walks.size();
         knows_velocity_ = knows_velocity_ || (is_last && !of_walk[id].isZero());
       }
     }
-    bundle_.edges.clear();
+  }
+
+  // With all else held; or, where the window floats, with those around as free as its own, for no
+  // more than to measure its edges anew.
+  [[nodiscard]] Expected<AdjustedWindow> adjust(const RefinementWindow& window,
+                                                const BundleOptions& options, bool floats) {
+    const auto has_landmarks = [&](KeyframeId id) { return inputs_.has_landmarks[id]; };
+    if (windows_.size() > 1 && std::ranges::none_of(window.own, has_landmarks)) return {};
+    const BundlePlaces places = places_of(window, floats);
+    const std::vector<RigidTransform> before = floats ? poses_ : std::vector<RigidTransform>();
+    Bundle bundle;
+    bundle.models.clear();
+    for (const RefinedWalk& walk : inputs_.walks)
+      bundle.models.push_back({walk.camera, options_.residuals, walk.readout_s});
+    bundle.models.back().readout_s = readout_s_;
+    bundle.fixed_cameras = places.held;
+    bundle.cameras.resize(places.keyframe.size());
+    ROOMWISE_TRY(bundle.landmarks, landmarks_of(window, places));
+
+    // At first the poses still err, and what is wrong is further off than that.
+    constexpr double kFirstSigmas = 10;
+    AdjustedWindow adjusted;
+    const auto go_on = [&] {
+      progress_.advance(done_++, "");
+      return progress_.check("landmarks were adjusted");
+    };
+    for (int round = 0; round < options_.rounds; ++round) {
+      // In windows they stay as they were when the sweep began: all frames would be asked anew.
+      if (round > 0 && windows_.size() == 1) update_velocities();
+      set_cameras(window, places, floats, bundle);
+      cull_views(bundle, (round == 0 ? kFirstSigmas : 1) * options_.max_sigmas);
+      ROOMWISE_TRY(const BundleReport report, adjust_bundle(bundle, options, go_on));
+      adjusted.iterations += report.solver.iterations;
+      adjusted.termination = report.solver.termination;
+      adjusted.rms_px = report.rms_px;
+      for (std::size_t i = places.held; i < places.keyframe.size(); ++i)
+        poses_[places.keyframe[i]] = bundle.cameras[i].world_from_camera;
+    }
+    if (floats) {
+      measure_edges(window, places);
+      poses_ = before;
+    }
+    adjusted.readout_s = bundle.models.back().readout_s;
+    count(window, places, bundle, adjusted);
+    return adjusted;
+  }
+
+  // The edges of the window's own key-frames as it lies now; the first window to say so counts.
+  void measure_edges(const RefinementWindow& window, const BundlePlaces& places) {
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+      const auto& [from, to] = std::pair(edges_[i].from, edges_[i].to);
+      if (is_measured_[i] || !places.has(from) || !places.has(to)) continue;
+      if (!is_own(window, from) && !is_own(window, to)) continue;
+      measured_[i].from_from_to = poses_[from].inverse() * poses_[to];
+      is_measured_[i] = true;
+    }
+  }
+
+  static bool is_own(const RefinementWindow& window, KeyframeId id) {
+    return std::ranges::binary_search(window.own, id);
+  }
+
+  // Its own key-frames and those around; where it does not float also those that edges lead to.
+  [[nodiscard]] BundlePlaces places_of(const RefinementWindow& window, bool floats) const {
+    BundlePlaces places;
+    places.place.assign(poses_.size(), BundlePlaces::kNone);
+    std::vector<bool> may_move(poses_.size(), false), is_there(poses_.size(), false);
+    for (const KeyframeId id : window.own) may_move[id] = is_there[id] = true;
+    for (const KeyframeId id : window.around) is_there[id] = true;
+    if (floats) {
+      may_move = is_there;
+      may_move[window.own.front()] = false;
+    } else {
+      for (const PoseGraphEdge& edge : edges_)
+        if (may_move[edge.from] || may_move[edge.to])
+          is_there[edge.from] = is_there[edge.to] = true;
+      for (KeyframeId id = 0; id < poses_.size(); ++id)
+        if (is_first_[id]) may_move[id] = false;
+    }
+    for (const bool moves : {false, true}) {
+      for (KeyframeId id = 0; id < poses_.size(); ++id) {
+        if (!is_there[id] || may_move[id] != moves) continue;
+        places.place[id] = static_cast<std::uint32_t>(places.keyframe.size());
+        places.keyframe.push_back(id);
+        places.held += moves ? 0 : 1;
+      }
+    }
+    return places;
+  }
+
+  // Landmarks that key-frames of the window see; those that none of its own sees move nothing.
+  [[nodiscard]] Expected<std::vector<Landmark>> landmarks_of(const RefinementWindow& window,
+                                                             const BundlePlaces& places) const {
+    std::vector<KeyframeId> ids;
+    std::ranges::merge(window.own, window.around, std::back_inserter(ids));
+    ROOMWISE_TRY(const std::vector<KeyframeFeatures> features, features_of(ids));
+    std::vector<RigidTransform> poses;
+    std::vector<std::size_t> components;
+    std::vector<bool> of_window;
+    for (const KeyframeId id : ids) {
+      poses.push_back(poses_[id]);
+      components.push_back(component_[id]);
+      of_window.push_back(is_own(window, id));
+    }
+    auto pairs = covisible_keyframes(features, poses, components, options_.landmarks);
+    std::erase_if(pairs,
+                  [&](const Covisible& pair) { return !of_window[pair.a] && !of_window[pair.b]; });
+    auto landmarks = find_landmarks(features, poses, pairs, options_.landmarks);
+    for (Landmark& landmark : landmarks)
+      for (LandmarkView& view : landmark.views) view.camera = places.place[ids[view.camera]];
+    return landmarks;
+  }
+
+  // Those in which nothing is looked for are empty.
+  [[nodiscard]] Expected<std::vector<KeyframeFeatures>> features_of(
+      std::span<const KeyframeId> ids) const {
+    std::vector<KeyframeId> asked;
+    std::ranges::copy_if(ids, std::back_inserter(asked),
+                         [&](KeyframeId id) { return inputs_.has_landmarks[id]; });
+    ROOMWISE_TRY(auto found, inputs_.features(asked));
+    if (found.size() != asked.size())
+      return fail("features of {} key-frames where {} were asked for", found.size(), asked.size());
+    if (asked.size() == ids.size()) return found;
+    std::vector<KeyframeFeatures> features(ids.size());
+    for (std::size_t i = 0, next = 0; i < ids.size(); ++i)
+      if (inputs_.has_landmarks[ids[i]]) features[i] = std::move(found[next++]);
+    return features;
+  }
+
+  // The cameras as the poses are now, with the edges between those of which one moves.
+  void set_cameras(const RefinementWindow& window, const BundlePlaces& places, bool floats,
+                   Bundle& bundle) {
+    for (std::size_t i = 0; i < places.keyframe.size(); ++i) {
+      const KeyframeId id = places.keyframe[i];
+      bundle.cameras[i] = {poses_[id], velocities_[id], walk_of_[id]};
+    }
+    const auto while_read_out = [&](KeyframeId id) -> Vector6d {
+      return bundle.models[walk_of_[id]].readout_s * velocities_[id];
+    };
+    bundle.edges.clear();
     for (const PoseGraphEdge& edge : edges_) {
-      PoseGraphEdge& placed =
-          bundle_.edges.emplace_back(with_shutter_motion(edge, readout_motions));
-      placed.from = places_[edge.from];
-      placed.to = places_[edge.to];
+      if (!places.has(edge.from) || !places.has(edge.to)) continue;
+      if (!floats && !is_own(window, edge.from) && !is_own(window, edge.to)) continue;
+      PoseGraphEdge& placed = bundle.edges.emplace_back(
+          with_shutter_motion(edge, while_read_out(edge.from), while_read_out(edge.to)));
+      placed.from = places.place[edge.from];
+      placed.to = places.place[edge.to];
+    }
+  }
+
+  void count(const RefinementWindow& window, const BundlePlaces& places, const Bundle& bundle,
+             AdjustedWindow& adjusted) const {
+    for (const Landmark& landmark : bundle.landmarks) {
+      KeyframeId first = poses_.size();
+      for (const LandmarkView& view : landmark.views) {
+        const KeyframeId id = places.keyframe[view.camera];
+        first = std::min(first, id);
+        adjusted.views += is_own(window, id) ? 1 : 0;
+        const bool tells = walk_of_[id] + 1 == inputs_.walks.size() && !velocities_[id].isZero();
+        adjusted.telling_views += tells ? 1 : 0;
+      }
+      adjusted.landmarks += is_own(window, first) ? 1 : 0;
     }
   }
 
@@ -136,11 +364,19 @@ class Refiner {
   const RefinementOptions& options_;
   Progress& progress_;
   std::span<const std::size_t> component_;  // by key-frame id
-  bool knows_velocity_ = false;             // of any key-frame of the last walk
-  std::vector<std::uint32_t> places_;       // by key-frame id: its camera's place in the bundle
+  std::vector<bool> is_first_;              // likewise: of its component
+  std::vector<std::uint32_t> walk_of_;      // likewise
   std::vector<PoseGraphEdge> edges_;
   std::vector<RigidTransform> poses_;  // by key-frame id
-  Bundle bundle_;
+  std::vector<RefinementWindow> windows_;
+  PoseGraphOptions graph_options_;
+  std::vector<PoseGraphEdge> measured_;  // edges_ as windows measure them
+  std::vector<bool> is_measured_;
+  std::vector<Vector6d> velocities_;  // by key-frame id
+  bool knows_velocity_ = false;       // of any key-frame of the last walk
+  double readout_s_ = 0;              // of the last walk
+  std::uint64_t done_ = 0, windows_done_ = 0;
+  std::uint64_t most_of_window_ = 0;  // iterations
 };
 
 }  // namespace
@@ -157,6 +393,7 @@ Expected<void> RefinementOptions::validate() const {
   }
   if (!(max_sigmas > 0)) return fail("max_sigmas = {} must be positive", max_sigmas);
   if (rounds < 1) return fail("rounds = {} must be at least 1", rounds);
+  if (max_keyframes < 3) return fail("max_keyframes = {} must be at least 3", max_keyframes);
   return {};
 }
 
@@ -165,9 +402,9 @@ Expected<MapRefinement> refine_map(const MapSolution& solution, const Refinement
                                    Progress& progress) {
   ROOMWISE_CHECK_OK(options.validate());
   const std::size_t count = solution.world_from_keyframe.size();
-  if (inputs.features.size() != count || inputs.keyframe_times.size() != count) {
-    return fail("features of {} and times of {} key-frames for a map of {}", inputs.features.size(),
-                inputs.keyframe_times.size(), count);
+  if (inputs.has_landmarks.size() != count || inputs.keyframe_times.size() != count) {
+    return fail("landmarks are looked for in {} and times known of {} key-frames for a map of {}",
+                inputs.has_landmarks.size(), inputs.keyframe_times.size(), count);
   }
   if (inputs.walks.empty() || inputs.walks.front().first_keyframe != 0 ||
       !std::ranges::is_sorted(inputs.walks, {}, &RefinedWalk::first_keyframe)) {
@@ -175,8 +412,6 @@ Expected<MapRefinement> refine_map(const MapSolution& solution, const Refinement
                 inputs.walks.size());
   }
   if (count == 0) return MapRefinement{};
-  progress.begin("adjusting landmarks",
-                 static_cast<std::uint64_t>(options.rounds * options.bundle.max_iterations));
   auto refinement = Refiner(solution, inputs, solver, options, progress).run();
   progress.end();
   return refinement;

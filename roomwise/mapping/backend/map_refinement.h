@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,6 +19,10 @@ struct RefinementOptions {
   motion::ResidualModel residuals;
   double max_sigmas = 6;  // a view further from its landmark is culled
   int rounds = 2;         // of adjusting and culling
+  // A map of more is adjusted in windows (refinement_windows.h) of a third as many, with as many
+  // around them held: what features, landmarks and equations take in memory is bounded by it, about
+  // 0.35 MB each.
+  std::size_t max_keyframes = 1000;
 
   [[nodiscard]] Expected<void> validate() const;
 };
@@ -31,10 +36,15 @@ struct RefinedWalk {
       0;  // what is known of its rolling shutter; that of the last walk is found anew
 };
 
+// What landmarks are found by in key-frames, whose ids ascend; in their order.
+using FindFeatures =
+    std::function<Expected<std::vector<KeyframeFeatures>>(std::span<const KeyframeId>)>;
+
 // What a map is refined from, besides its solution.
 struct RefinementInputs {
-  std::span<const PoseGraphEdge> edges;         // those that the solution was found from
-  std::span<const KeyframeFeatures> features;   // by key-frame id
+  std::span<const PoseGraphEdge> edges;  // those that the solution was found from
+  FindFeatures features;                 // of those that are needed next
+  std::vector<bool> has_landmarks;       // by key-frame id: whether landmarks are looked for in it
   std::span<const TimestampNs> keyframe_times;  // by key-frame id
   std::span<const RefinedWalk> walks;           // in the order of their key-frames, at least one
 };
@@ -57,6 +67,12 @@ struct MapRefinement {
 // hold what bare walls tell. The readout time of a rolling shutter is found with the rest; edges,
 // whose views were aligned as if exposed at once, are believed less the more the motions of their
 // two key-frames differ.
+//
+// A large map (RefinementOptions::max_keyframes) is adjusted in windows. First each by itself, with
+// nothing around it held: it measures the edges of its key-frames anew, and the pose graph of these
+// says where all are (as Ni, Steedly and Dellaert join submaps, "Tectonic SAM", 2007). Then each
+// with all else held, which mends the borders. The readout time is the mean of what the windows
+// find by themselves, by how many views tell of it. Windows without landmarks stay where they are.
 [[nodiscard]] Expected<MapRefinement> refine_map(const MapSolution& solution,
                                                  const RefinementInputs& inputs,
                                                  const MapSolverOptions& solver,

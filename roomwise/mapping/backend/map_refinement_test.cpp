@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/mapping/testing/feature_walk.h"
 
@@ -43,10 +45,19 @@ struct Map {
   }
 
   [[nodiscard]] MapSolution solution() const { return solve_map(times.size(), edges).value(); }
-  [[nodiscard]] Expected<MapRefinement> refined() const {
+  [[nodiscard]] Expected<MapRefinement> refined(const RefinementOptions& options = {}) const {
     SilentProgress silent;
     const std::vector<RefinedWalk> walks{{0, frames, camera}};
-    return refine_map(solution(), {edges, features, times, walks}, {}, {}, silent);
+    const auto find = [&](std::span<const KeyframeId> ids) {
+      std::vector<KeyframeFeatures> found;
+      most_at_once = std::max(most_at_once, ids.size());
+      for (const KeyframeId id : ids)
+        if (id < features.size()) found.push_back(features[id]);
+      return Expected<std::vector<KeyframeFeatures>>(std::move(found));
+    };
+    return refine_map(solution(),
+                      {edges, find, std::vector<bool>(times.size(), true), times, walks}, {},
+                      options, silent);
   }
   [[nodiscard]] double worst_error_m(const std::vector<RigidTransform>& poses) const {
     const auto truth = testing::poses_of(scene.truth());
@@ -58,13 +69,32 @@ struct Map {
     return worst;
   }
 
+  // Of a key-frame as the one before it sees it.
+  [[nodiscard]] double mean_step_error_m(const std::vector<RigidTransform>& poses) const {
+    const auto truth = testing::poses_of(scene.truth());
+    double sum = 0;
+    for (std::size_t id = 1; id < poses.size(); ++id) {
+      const RigidTransform expected = truth[id - 1].inverse() * truth[id];
+      sum += ((poses[id - 1].inverse() * poses[id]).translation - expected.translation).norm();
+    }
+    return sum / static_cast<double>(poses.size() - 1);
+  }
+
   SyntheticScene scene;
   geometry::PinholeCamera camera;
   std::vector<PoseGraphEdge> edges;
   std::vector<KeyframeFeatures> features;
   std::vector<TimestampNs> times;
   std::vector<Frame> frames;
+  mutable std::size_t most_at_once = 0;  // key-frames whose features were asked for
 };
+
+// Windows of five key-frames with five around them.
+RefinementOptions small_windows() {
+  RefinementOptions options;
+  options.max_keyframes = 15;
+  return options;
+}
 
 TEST(RefineMap, IsBetterThanThePoseGraph) {
   const Map map({.landmarks = 600, .noise_sigmas = 0.5}, 0.004);
@@ -132,6 +162,56 @@ TEST(RefineMap, NeedsFeaturesOfAllKeyframes) {
   Map map({.landmarks = 50}, 0);
   map.features.pop_back();
   EXPECT_ERROR(map.refined(), "features of 11");
+}
+
+TEST(RefineMap, InWindowsALargeMapIsAsGoodAsAdjustedWhole) {
+  const Map map({.cameras = 40, .landmarks = 900, .noise_sigmas = 0.5}, 0.004);
+  const auto whole = map.refined();
+  const auto in_windows = map.refined(small_windows());
+  ASSERT_OK(whole);
+  ASSERT_OK(in_windows);
+  EXPECT_GT(in_windows->landmarks, 100U);
+  EXPECT_LT(map.mean_step_error_m(in_windows->world_from_keyframe),
+            1.1 * map.mean_step_error_m(whole->world_from_keyframe));
+  EXPECT_LT(map.worst_error_m(in_windows->world_from_keyframe),
+            1.1 * map.worst_error_m(whole->world_from_keyframe));
+  EXPECT_LT(map.worst_error_m(in_windows->world_from_keyframe),
+            0.5 * map.worst_error_m(map.solution().world_from_keyframe));
+}
+
+TEST(RefineMap, InWindowsNoMoreFeaturesAreHeldThanTheBoundSays) {
+  const Map map({.cameras = 40, .landmarks = 600, .noise_sigmas = 0.5}, 0.002);
+  ASSERT_OK(map.refined(small_windows()));
+  EXPECT_LE(map.most_at_once, 10U);
+}
+
+TEST(RefineMap, InWindowsARollingShutterIsFoundByThemTogether) {
+  const Map map({.cameras = 24, .landmarks = 900, .noise_sigmas = 0.3, .readout_s = 0.02}, 0.002);
+  const auto refined = map.refined(small_windows());
+  ASSERT_OK(refined);
+  EXPECT_NEAR(refined->readout_s.value(), 0.02, 0.004);
+}
+
+TEST(RefineMap, InWindowsFirstKeyframesOfComponentsStay) {
+  Map map({.cameras = 24, .landmarks = 600, .noise_sigmas = 0.5}, 0.002);
+  map.edges.erase(map.edges.begin() + 11);  // two components: 0 to 11 and 12 to 23
+  const MapSolution solution = map.solution();
+  const auto refined = map.refined(small_windows());
+  ASSERT_OK(refined);
+  for (const std::size_t first : {0U, 12U}) {
+    EXPECT_EQ(refined->world_from_keyframe[first].translation,
+              solution.world_from_keyframe[first].translation);
+  }
+  EXPECT_NE(refined->world_from_keyframe[15].translation,
+            solution.world_from_keyframe[15].translation);
+}
+
+TEST(RefineMap, InWindowsWhatHasNoLandmarksStaysWhereTheGraphSays) {
+  Map map({.cameras = 24, .landmarks = 50}, 0.002);
+  map.features.assign(map.features.size(), {});
+  const auto refined = map.refined(small_windows());
+  ASSERT_OK(refined);
+  EXPECT_EQ(refined->landmarks, 0U);
 }
 
 }  // namespace

@@ -98,9 +98,6 @@ std::vector<Covisible> covisible_keyframes(std::span<const KeyframeFeatures> key
                                            std::span<const RigidTransform> world_from_keyframe,
                                            std::span<const std::size_t> groups,
                                            const LandmarkOptions& options) {
-  // Further apart than this, features look too different.
-  constexpr double kMax_m = 3;
-  constexpr double kMax_rad = 1.2;
   struct Partner {
     double overlap;
     std::uint32_t id;
@@ -110,7 +107,7 @@ std::vector<Covisible> covisible_keyframes(std::span<const KeyframeFeatures> key
     for (std::uint32_t b = a + 1; b < keyframes.size(); ++b) {
       if (groups[a] != groups[b]) continue;
       const RigidTransform a_from_b = world_from_keyframe[a].inverse() * world_from_keyframe[b];
-      if (a_from_b.distance_m() > kMax_m || a_from_b.angle_rad() > kMax_rad) continue;
+      if (!may_be_covisible(a_from_b)) continue;
       double overlap = share_seen(keyframes[a], a_from_b.inverse(), keyframes[b]);
       if (overlap < options.min_overlap) continue;
       overlap = std::min(overlap, share_seen(keyframes[b], a_from_b, keyframes[a]));

@@ -43,6 +43,13 @@ struct KeyframeFeatures {
                                                  const geometry::PinholeCamera& camera,
                                                  const LandmarkOptions& options = {});
 
+// Further apart than this, features look too different.
+inline constexpr double kMaxCovisible_m = 3;
+inline constexpr double kMaxCovisible_rad = 1.2;
+[[nodiscard]] inline bool may_be_covisible(const geometry::RigidTransform& a_from_b) {
+  return a_from_b.distance_m() <= kMaxCovisible_m && a_from_b.angle_rad() <= kMaxCovisible_rad;
+}
+
 // Key-frames a < b that see much of the same by their poses, sorted. Those of different groups
 // (components of the map) see nothing of each other.
 struct Covisible {

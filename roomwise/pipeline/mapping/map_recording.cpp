@@ -133,21 +133,18 @@ Expected<void> map_frames(recording::FrameSource& source, const home::Home& home
   return run.progress.check("mapping");
 }
 
-// What landmarks are found by, one key-frame after the other, of those that are wanted.
+// What landmarks are found by in these key-frames, one after the other.
 Expected<std::vector<mapping::KeyframeFeatures>> landmark_features(
     const home::Home& home, mapping::Mapper& mapper, const MapSettings& settings,
-    const std::vector<bool>& wanted) {
+    std::span<const home::KeyframeId> ids) {
   ROOMWISE_TRY(const auto cameras, recording_cameras(home));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   std::vector<mapping::KeyframeFeatures> features;
-  for (const home::Keyframe& keyframe : keyframes) {
-    if (!wanted[keyframe.id]) {
-      features.emplace_back().camera = cameras.at(keyframe.recording);
-      continue;
-    }
-    ROOMWISE_TRY(const auto measurements, mapper.measurements(keyframe.id));
-    features.push_back(mapping::keyframe_features(
-        measurements->features(), cameras.at(keyframe.recording), settings.refinement.landmarks));
+  for (const home::KeyframeId id : ids) {
+    ROOMWISE_TRY(const auto measurements, mapper.measurements(id));
+    features.push_back(mapping::keyframe_features(measurements->features(),
+                                                  cameras.at(keyframes[id].recording),
+                                                  settings.refinement.landmarks));
   }
   return features;
 }
@@ -198,8 +195,8 @@ Expected<void> solve(home::Home& home, const MapSettings& settings, mapping::Map
                      home::RecordingId walk, RunContext& run, MapSummary& summary) {
   const auto timing = run.clock.measure("optimisation");
   return home.atomically([&]() -> Expected<void> {
-    const auto features = [&](const std::vector<bool>& wanted) {
-      return landmark_features(home, mapper, settings, wanted);
+    const auto features = [&](std::span<const home::KeyframeId> ids) {
+      return landmark_features(home, mapper, settings, ids);
     };
     ROOMWISE_TRY(const SolvedMap solved, solve_stored_map(home, settings, features, run.progress));
     if (solved.refinement) {

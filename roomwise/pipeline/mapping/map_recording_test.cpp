@@ -155,7 +155,9 @@ TEST_F(MapRecording, OptimisingAgainFindsTheSameMap) {
     RunContext run{pool, silent_, clock};
     ASSERT_OK(solve_stored_map(
         home, settings_,
-        [&](const std::vector<bool>&) { return stored_keyframe_features(home, settings_, run); },
+        [&](std::span<const home::KeyframeId> ids) {
+          return stored_keyframe_features(home, ids, settings_, run);
+        },
         silent_));
   }
   EXPECT_EQ(digest(folder_ / "a.home"), before) << "from features found again in stored images";
@@ -353,6 +355,32 @@ TEST_F(MapRecording, IsNotFinishedUntilTheNetworksHaveSeenAll) {
   EXPECT_EQ(home.predictions(1)->size(), home.keyframes()->size());
 }
 
+TEST_F(MapRecording, InWindowsTheSameMapWhateverIsInMemoryAndWhereverItStopped) {
+  settings_.refinement.max_keyframes = 12;
+  SyntheticWalk walk(kFrames);
+  const auto summary = map(folder_ / "whole.home", walk, 2);
+  ASSERT_OK(summary);
+  ASSERT_GT(summary->keyframes, settings_.refinement.max_keyframes);
+  EXPECT_GT(summary->landmarks, 0U);
+  const auto trajectory = stored_trajectory(*home::Home::open_read_only(folder_ / "whole.home"));
+  EXPECT_LT(evaluation::absolute_trajectory_error(walk.truth(), trajectory.value())->error_m.rmse,
+            0.006);
+
+  working_set_bytes_ = 1;
+  SyntheticWalk small(kFrames);
+  ASSERT_OK(map(folder_ / "small.home", small, 1));
+  EXPECT_EQ(digest(folder_ / "small.home"), digest(folder_ / "whole.home"));
+
+  SyntheticWalk first(kFrames);
+  testing::InterruptedAt interrupt("adjusting landmarks");
+  const auto stopped = map(folder_ / "resumed.home", first, 2, &interrupt);
+  ASSERT_OK(stopped);
+  ASSERT_FALSE(stopped->finished);
+  SyntheticWalk second(kFrames);
+  ASSERT_OK(map(folder_ / "resumed.home", second, 2));
+  EXPECT_EQ(digest(folder_ / "resumed.home"), digest(folder_ / "whole.home"));
+}
+
 TEST_F(MapRecording, InterruptedWhileLandmarksAreAdjustedMovesNothing) {
   SyntheticWalk whole(kFrames);
   ASSERT_OK(map(folder_ / "whole.home", whole, 2));
@@ -375,7 +403,9 @@ TEST_F(MapRecording, InterruptedWhileLandmarksAreAdjustedMovesNothing) {
   RunContext run{pool, again, clock};
   const auto solved = solve_stored_map(
       home, settings_,
-      [&](const std::vector<bool>&) { return stored_keyframe_features(home, settings_, run); },
+      [&](std::span<const home::KeyframeId> ids) {
+        return stored_keyframe_features(home, ids, settings_, run);
+      },
       again);
   ASSERT_FALSE(solved.has_value());
   EXPECT_EQ(solved.error().code, ErrorCode::kInterrupted);

@@ -38,8 +38,11 @@ Expected<std::vector<mapping::Keyframe>> measure_keyframes(
 }
 
 Expected<std::vector<mapping::KeyframeFeatures>> stored_keyframe_features(
-    const home::Home& home, const MapSettings& settings, RunContext& run) {
-  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+    const home::Home& home, std::span<const home::KeyframeId> ids, const MapSettings& settings,
+    RunContext& run) {
+  ROOMWISE_TRY(const auto stored, home.keyframes());
+  std::vector<home::Keyframe> keyframes;
+  for (const home::KeyframeId id : ids) keyframes.push_back(stored[id]);
   ROOMWISE_TRY(const auto cameras, recording_cameras(home));
   const auto extractor = features::make_extractor(settings.features, settings.max_keypoints);
   std::vector<mapping::KeyframeFeatures> found;

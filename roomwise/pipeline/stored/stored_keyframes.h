@@ -28,8 +28,9 @@ using TakeKeyframe = std::function<Expected<void>(mapping::Keyframe)>;
     const home::Home& home, std::span<const home::Keyframe> keyframes,
     const features::FeatureExtractor& extractor, const MapSettings& settings, RunContext& run);
 
-// What landmarks are found by, found again in all stored key-frames, by id.
+// What landmarks are found by, found again in these key-frames as they are stored.
 [[nodiscard]] Expected<std::vector<mapping::KeyframeFeatures>> stored_keyframe_features(
-    const home::Home& home, const MapSettings& settings, RunContext& run);
+    const home::Home& home, std::span<const home::KeyframeId> ids, const MapSettings& settings,
+    RunContext& run);
 
 }  // namespace roomwise::pipeline

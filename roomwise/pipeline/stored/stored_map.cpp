@@ -21,7 +21,8 @@ Expected<mapping::MapRefinement> refine(const home::Home& home,
                                         std::span<const home::Keyframe> keyframes,
                                         std::span<const mapping::PoseGraphEdge> edges,
                                         const mapping::MapSolution& solution,
-                                        std::span<const mapping::KeyframeFeatures> features,
+                                        const mapping::FindFeatures& find_features,
+                                        const std::vector<bool>& has_landmarks,
                                         const MapSettings& settings, Progress& progress) {
   ROOMWISE_TRY(const auto recordings, home.recordings());
   std::vector<std::vector<scene::Frame>> frames;
@@ -33,7 +34,8 @@ Expected<mapping::MapRefinement> refine(const home::Home& home,
     walks.push_back({first_keyframe_of(keyframes, recordings[i].id), frames[i],
                      recordings[i].recording.camera, recordings[i].readout_s.value_or(0)});
   }
-  return mapping::refine_map(solution, {edges, features, times_of(keyframes), walks},
+  const std::vector<TimestampNs> times_ns = times_of(keyframes);
+  return mapping::refine_map(solution, {edges, find_features, has_landmarks, times_ns, walks},
                              settings.solver, settings.refinement, progress);
 }
 
@@ -114,11 +116,9 @@ std::vector<mapping::PlacedFrame> place_frames(
 
 }  // namespace
 
-Expected<SolvedMap> solve_stored_map(
-    home::Home& home, const MapSettings& settings,
-    const std::function<Expected<std::vector<mapping::KeyframeFeatures>>(
-        const std::vector<bool>& wanted)>& find_features,
-    Progress& progress) {
+Expected<SolvedMap> solve_stored_map(home::Home& home, const MapSettings& settings,
+                                     const mapping::FindFeatures& find_features,
+                                     Progress& progress) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto recordings, home.recordings());
   ROOMWISE_TRY(const auto measured, home.edges());
@@ -134,10 +134,10 @@ Expected<SolvedMap> solve_stored_map(
   ROOMWISE_TRY(solved.solution, mapping::solve_map(keyframes.size(), edges, settings.solver));
   solved.solution.rejected_edges += measured.size() - edges.size();
   if (settings.adjusts_bundle() && !keyframes.empty()) {
-    ROOMWISE_TRY(const auto features,
-                 find_features(keyframes_to_adjust(keyframes, recordings.back(), solved.solution)));
     ROOMWISE_TRY(solved.refinement,
-                 refine(home, keyframes, edges, solved.solution, features, settings, progress));
+                 refine(home, keyframes, edges, solved.solution, find_features,
+                        keyframes_to_adjust(keyframes, recordings.back(), solved.solution),
+                        settings, progress));
   }
   const auto& solution_poses = solved.refinement ? solved.refinement->world_from_keyframe
                                                  : solved.solution.world_from_keyframe;

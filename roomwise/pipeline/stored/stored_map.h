@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -28,13 +27,11 @@ struct SolvedMap {
 // moves the key-frames; where the user interrupts, none is moved. A walk that is not finished joins
 // what was solved before: the edges between earlier key-frames say where they are now, and
 // landmarks are looked for only in its key-frames and in those that may show the same.
-// `find_features` gives what landmarks are found by, of all key-frames by id, those that are not
-// wanted empty; it is asked only where they are needed.
-[[nodiscard]] Expected<SolvedMap> solve_stored_map(
-    home::Home& home, const MapSettings& settings,
-    const std::function<Expected<std::vector<mapping::KeyframeFeatures>>(
-        const std::vector<bool>& wanted)>& find_features,
-    Progress& progress);
+// `find_features` gives what landmarks are found by; of a large map it is asked for one part after
+// the other.
+[[nodiscard]] Expected<SolvedMap> solve_stored_map(home::Home& home, const MapSettings& settings,
+                                                   const mapping::FindFeatures& find_features,
+                                                   Progress& progress);
 
 // Takes a walk out of the home, and what was learned of rooms, for which it may have counted; the
 // others stay where they are. Where it joined two of them they come apart. Things are joined anew
