@@ -2,9 +2,9 @@
 // finding pictures in it and of a further walk, by the number of its key-frames:
 //   large_home_benchmark FOLDER [no-floor] [whole] KEYFRAMES [KEYFRAMES ...]
 // With no-floor a map is left when its floor is to be fused; with whole its landmarks are adjusted
-// all at once, however many there are. The homes are made from seeds, in
-// FOLDER, and stay there: KEYFRAMES.home is one whose frames are all stored and whose map is not
-// solved yet, KEYFRAMES-finished.home the same with its map.
+// all at once, however many there are. The homes are made from seeds, in FOLDER, stay there, and
+// are used again: KEYFRAMES.home is one whose frames are all stored and whose map is not solved
+// yet, KEYFRAMES-finished.home the same with its map.
 //
 // A home is a building of rooms whose walls all have patterns of their own, and is walked through
 // twice, the second time back: a full turn of 40 key-frames in each room each time. Its edges are
@@ -478,6 +478,9 @@ Expected<void> locate(const fs::path& file, std::uint64_t count) {
 Expected<void> map_further(const fs::path& file, std::uint64_t count, const Task& task) {
   constexpr std::uint64_t kFrames = 2 * kTurn;
   ROOMWISE_TRY(home::Home home, home::Home::open(file));
+  // Without its floor the first walk is not finished yet; the further one takes it for that.
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  if (!recordings.back().finished) ROOMWISE_CHECK_OK(home.finish_recording(recordings.back().id));
   ThreadPool pool(1);
   StageClock clock;
   PartsOfWork parts(task.fuses_floor);
@@ -522,8 +525,11 @@ bool measure(const fs::path& folder, std::uint64_t count, const Task& task) {
   }
   fmt::print("{} key-frames, {} rooms, {:.0f} MB\n", count, count / 2 / kTurn,
              static_cast<double>(fs::file_size(begun)) / (1 << 20));
-  fs::copy_file(begun, finished, fs::copy_options::overwrite_existing);
-  if (!succeeds([&] { return finish(finished, count, task); })) return false;
+  if (!fs::exists(finished)) {
+    fs::copy_file(begun, making, fs::copy_options::overwrite_existing);
+    if (!succeeds([&] { return finish(making, count, task); })) return false;
+    fs::rename(making, finished);
+  }
   if (!succeeds([&] { return locate(finished, count); })) return false;
   fs::copy_file(finished, joined, fs::copy_options::overwrite_existing);
   const bool has_joined = succeeds([&] { return map_further(joined, count, task); });

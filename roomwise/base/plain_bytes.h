@@ -15,6 +15,8 @@ namespace roomwise {
 
 class PlainWriter {
  public:
+  // What is to come takes about so many bytes: no more are taken while it is written.
+  void reserve(std::size_t bytes) { bytes_.reserve(bytes_.size() + bytes); }
   template <typename T>
   void put(const T* values, std::size_t count) {
     static_assert(std::is_trivially_copyable_v<T>);

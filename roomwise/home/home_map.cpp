@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -98,6 +99,46 @@ Frame read_frame(const Statement& row) {
   }
   return frame;
 }
+
+// The data of one row of derived_data, read and written where they stand: of a large map they are
+// large, and SQLite would copy them whole, once or twice.
+class BlobInPlace {
+ public:
+  static Expected<BlobInPlace> open(const Database& database, std::int64_t row, bool writes) {
+    sqlite3_blob* blob = nullptr;
+    const int result = sqlite3_blob_open(database.handle(), "main", "derived_data", "data", row,
+                                         writes ? 1 : 0, &blob);
+    BlobInPlace opened(database, blob);
+    if (result != SQLITE_OK) return Unexpected(opened.error());
+    return opened;
+  }
+
+  [[nodiscard]] Expected<void> write(const Bytes& data) const {
+    // SQLite makes no row of more bytes than an int tells.
+    if (data.empty() ||
+        sqlite3_blob_write(blob_.get(), data.data(), static_cast<int>(data.size()), 0) == SQLITE_OK)
+      return {};
+    return Unexpected(error());
+  }
+  [[nodiscard]] Expected<Bytes> read() const {
+    const int size = sqlite3_blob_bytes(blob_.get());
+    Bytes data(static_cast<std::size_t>(size));
+    if (size == 0 || sqlite3_blob_read(blob_.get(), data.data(), size, 0) == SQLITE_OK) return data;
+    return Unexpected(error());
+  }
+
+ private:
+  struct Closer {
+    void operator()(sqlite3_blob* blob) const { sqlite3_blob_close(blob); }
+  };
+  BlobInPlace(const Database& database, sqlite3_blob* blob) : database_(&database), blob_(blob) {}
+  [[nodiscard]] Error error() const {
+    return describe_error(database_->handle(), database_->file());
+  }
+
+  const Database* database_;
+  std::unique_ptr<sqlite3_blob, Closer> blob_;
+};
 
 #define ROOMWISE_RECORDING_COLUMNS                                                      \
   "name, folder, fx_px, fy_px, cx_px, cy_px, width_px, height_px, distortion_k1, "      \
@@ -280,19 +321,30 @@ Expected<void> Home::put_readout(RecordingId id, double readout_s) {
 }
 
 Expected<void> Home::put_derived_data(const DerivedData& data) {
-  return database_.put("derived_data (name, made_from, data)", data.name, data.made_from,
-                       data.data);
+  return atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(
+        database_.run("INSERT OR REPLACE INTO derived_data (name, made_from, data) "
+                      "VALUES (?, ?, zeroblob(?))",
+                      data.name, data.made_from, data.data.size()));
+    ROOMWISE_TRY(const BlobInPlace blob,
+                 BlobInPlace::open(database_, sqlite3_last_insert_rowid(database_.handle()),
+                                   /*writes=*/true));
+    return blob.write(data.data);
+  });
 }
 
 Expected<std::optional<DerivedData>> Home::derived_data(const std::string& name) const {
-  const auto read = [](const Statement& row) {
-    return DerivedData{row.column<std::string>(0), row.column<std::string>(1),
-                       row.column<Bytes>(2)};
+  // The row stays open meanwhile, so that all of it is of one state of the home.
+  const auto read = [&](const Statement& row) -> Expected<DerivedData> {
+    ROOMWISE_TRY(const BlobInPlace blob,
+                 BlobInPlace::open(database_, row.column<std::int64_t>(2), /*writes=*/false));
+    ROOMWISE_TRY(Bytes data, blob.read());
+    return DerivedData{row.column<std::string>(0), row.column<std::string>(1), std::move(data)};
   };
   ROOMWISE_TRY(
       auto found,
       collect<std::vector<DerivedData>>(
-          database_, "SELECT name, made_from, data FROM derived_data WHERE name = ?", read, name));
+          database_, "SELECT name, made_from, rowid FROM derived_data WHERE name = ?", read, name));
   if (found.empty()) return std::nullopt;
   return std::move(found.front());
 }

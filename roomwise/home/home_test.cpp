@@ -99,6 +99,12 @@ TEST_F(HomeTest, KeepsWhatWasWorkedOutUntilItIsWorkedOutAnew) {
   const DerivedData anew{"floor", "two", {3}};
   ASSERT_OK(home_.put_derived_data(anew));
   EXPECT_EQ(home_.derived_data("floor").value(), anew);
+  for (const std::size_t size : {std::size_t{0}, std::size_t{9'000'000}, std::size_t{5}}) {
+    DerivedData other{"floor", "three", Bytes(size, 8)};
+    if (size > 0) other.data.back() = 9;
+    ASSERT_OK(home_.put_derived_data(other));
+    EXPECT_EQ(home_.derived_data("floor").value(), other) << size;
+  }
   EXPECT_EQ(home_.content_digest().value(), digest) << "it follows from the rest";
 }
 

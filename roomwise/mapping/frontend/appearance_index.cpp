@@ -167,6 +167,17 @@ void AppearanceIndex::write(PlainWriter& writer) const {
   }
 }
 
+std::size_t AppearanceIndex::written_bytes() const {
+  std::size_t bytes =
+      sizeof(std::uint64_t) + static_cast<std::size_t>(center_.size()) * sizeof(float);
+  for (const Table& table : tables_) {
+    std::size_t entries = table.sorted.size();
+    for (const auto& [hash, ids] : table.recent) entries += ids.size();
+    bytes += sizeof(std::uint64_t) + entries * sizeof(Entry);
+  }
+  return bytes;
+}
+
 void AppearanceIndex::read(PlainReader& reader) {
   center_.resize(static_cast<Eigen::Index>(reader.get_count(sizeof(float))));
   reader.get(center_.data(), static_cast<std::size_t>(center_.size()));

@@ -57,6 +57,7 @@ class AppearanceIndex {
   // The index as plain bytes and back; seed and options must be those that it was made with. Of
   // bytes that are none of an index `reader` is not whole afterwards, or nothing is found.
   void write(PlainWriter& writer) const;
+  [[nodiscard]] std::size_t written_bytes() const;
   void read(PlainReader& reader);
 
  private:

@@ -84,6 +84,8 @@ class Mapper {
   [[nodiscard]] const std::vector<PoseGraphEdge>& edges() const { return graph_.edges(); }
   // Of a key-frame that is there.
   [[nodiscard]] Expected<SharedMeasurements> measurements(KeyframeId id) { return store_.get(id); }
+  // No frame is to come any more: what key-frames look like, some 13 kB each, is given back.
+  void release_index() { index_ = AppearanceIndex(kIndexSeed); }
   // The frames that are not released yet, in the order of time.
   [[nodiscard]] const std::deque<Frame>& frames() const { return frames_; }
   // How many were added in all.

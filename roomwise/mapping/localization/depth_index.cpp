@@ -72,6 +72,14 @@ void DepthIndex::write(PlainWriter& writer) const {
   }
 }
 
+std::size_t DepthIndex::written_bytes() const {
+  std::size_t bytes = sizeof(std::uint64_t);
+  for (const Thumbnail& thumbnail : thumbnails_) {
+    bytes += 2 * sizeof(std::uint64_t) + static_cast<std::size_t>(thumbnail.size()) * sizeof(float);
+  }
+  return bytes;
+}
+
 void DepthIndex::read(PlainReader& reader) {
   thumbnails_.resize(reader.get_count(2 * sizeof(std::uint64_t)));
   for (Thumbnail& thumbnail : thumbnails_) {

@@ -37,6 +37,7 @@ class DepthIndex {
 
   // The index as plain bytes and back.
   void write(PlainWriter& writer) const;
+  [[nodiscard]] std::size_t written_bytes() const;
   void read(PlainReader& reader);
 
  private:

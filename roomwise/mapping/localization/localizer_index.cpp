@@ -38,6 +38,9 @@ void LocalizerIndex::keep_only(std::span<const std::size_t> kept) {
 
 Bytes LocalizerIndex::to_bytes() const {
   PlainWriter writer;
+  // Of a large map this is most of what is in memory: it is not to be copied as it grows.
+  writer.reserve(appearances_.written_bytes() + depths_.written_bytes() +
+                 2 * sizeof(std::uint64_t) + sizeof(geometry::PinholeCamera));
   writer.put(static_cast<std::uint64_t>(size_));
   appearances_.write(writer);
   depths_.write(writer);

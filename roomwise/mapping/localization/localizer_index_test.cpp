@@ -39,6 +39,13 @@ TEST(LocalizerIndex, ComesBackFromItsBytes) {
   EXPECT_EQ(back->depths().find(asked.view(), 1).front().index, 7U);
 }
 
+TEST(LocalizerIndex, IsWrittenInNoMoreMemoryThanItTakes) {
+  LocalizerIndex index;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) index.add(picture(seed));
+  const Bytes bytes = index.to_bytes();
+  EXPECT_EQ(bytes.capacity(), bytes.size());
+}
+
 TEST(LocalizerIndex, OfOtherBytesIsNone) {
   LocalizerIndex index;
   index.add(picture(1));

@@ -115,7 +115,10 @@ Expected<void> keep_localizer_index(
     ROOMWISE_TRY(const auto measurements, measured(keyframe.id));
     index.add(*measurements);
   }
-  return home.put_derived_data({kIndexName, made_from, index.to_bytes()});
+  // Of a large map both are large: the one is given back before the other is stored.
+  home::DerivedData data{kIndexName, made_from, index.to_bytes()};
+  index = {};
+  return home.put_derived_data(data);
 }
 
 Expected<std::optional<KeptLocalizerIndex>> take_localizer_index(const home::Home& home) {

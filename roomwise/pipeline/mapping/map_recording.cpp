@@ -233,6 +233,7 @@ Expected<void> finish_map(home::Home& home, const MapSettings& settings, mapping
                           MapSummary& summary) {
   ROOMWISE_TRY(const MapStage stage, stage_of(home, walk));
   if (stage == MapStage::kCulled) return {};
+  mapper.release_index();
   if (stage == MapStage::kStored)
     ROOMWISE_CHECK_OK(solve(home, settings, mapper, walk, run, summary));
   if (finders.of_proposals)
