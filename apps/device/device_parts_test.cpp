@@ -11,6 +11,7 @@
 #include "device_voice.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/service/prompt_message.h"
 
 namespace roomwise::app {
 namespace {
@@ -239,7 +240,7 @@ TEST(DeviceVoiceTest, SpeaksByTheRules) {
   message.confidence = "sure";
   message.sound = "answer";
   message.valid_until_t_ms = 5000;
-  const auto prompt = prompt_of(message);
+  const auto prompt = service::prompt_of(message);
   ASSERT_OK(prompt);
   voice.say(*prompt, 0);
   voice.notice("device.connection_lost", guide::Sound::kLost, 0);
@@ -253,7 +254,7 @@ TEST(DeviceVoiceTest, SpeaksByTheRules) {
   ASSERT_OK(voice.step(7 * kSecond));
   EXPECT_THAT(heard.str(), ::testing::EndsWith("(unsure) That did not work. Please try again.\n"));
   message.priority = "urgent";
-  EXPECT_ERROR(prompt_of(message), "'urgent'");
+  EXPECT_ERROR(service::prompt_of(message), "'urgent'");
   EXPECT_ERROR(open_speaker("shout", 0, heard), "wav:FILE");
 }
 

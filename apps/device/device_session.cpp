@@ -5,6 +5,8 @@
 #include <thread>
 #include <utility>
 
+#include "roomwise/service/prompt_message.h"
+
 namespace roomwise::app {
 namespace {
 
@@ -138,7 +140,7 @@ void DeviceSession::take_prompt(const service::PromptMessage& message, Timestamp
     newest_answered_ = *message.answer_to;
     asked_.erase(*message.answer_to);
   }
-  auto prompt = prompt_of(message);
+  auto prompt = service::prompt_of(message);
   if (!prompt) {
     std::cerr << prompt.error().message << '\n';
     return;

@@ -1,7 +1,6 @@
 #include "device_voice.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iostream>
 #include <ostream>
@@ -25,15 +24,6 @@ double spoken_s(const std::string& text) {
   const auto characters =
       std::ranges::count_if(text, [](char byte) { return (byte & 0xC0) != 0x80; });
   return static_cast<double>(characters) * kCharacter_s;
-}
-
-// The one of `values` that is called so.
-template <typename Value, std::size_t N>
-Expected<Value> named(const std::string& text, const std::array<Value, N>& values) {
-  for (const Value value : values) {
-    if (guide::to_string(value) == text) return value;
-  }
-  return fail("a prompt of the computer says '{}', which this device does not know", text);
 }
 
 }  // namespace
@@ -111,29 +101,6 @@ Expected<std::unique_ptr<speech::Speaker>> open_speaker(const std::string& choic
                speech::WavTimeline::create(choice.substr(kWav.size()), now_ns,
                                            speech::RecordedSpeaker::kRate_hz));
   return std::make_unique<speech::RecordedSpeaker>(std::move(timeline), kWordsPerMinute);
-}
-
-Expected<guide::Prompt> prompt_of(const service::PromptMessage& message) {
-  using guide::Confidence;
-  using guide::Priority;
-  using guide::Sound;
-  guide::Prompt prompt;
-  prompt.key = message.key;
-  prompt.message = message.message;
-  prompt.text = message.text;
-  prompt.language = message.language;
-  prompt.because = message.because;
-  ROOMWISE_TRY(prompt.priority,
-               named(message.priority, std::array{Priority::kHazard, Priority::kAnswer,
-                                                  Priority::kNotice, Priority::kCallout}));
-  ROOMWISE_TRY(prompt.confidence,
-               named(message.confidence,
-                     std::array{Confidence::kSure, Confidence::kProbable, Confidence::kUnsure}));
-  ROOMWISE_TRY(prompt.sound,
-               named(message.sound, std::array{Sound::kNone, Sound::kAnswer, Sound::kUnsure,
-                                               Sound::kLost, Sound::kBack, Sound::kAlert}));
-  prompt.valid_until_ns = std::llround(message.valid_until_t_ms * 1e6);
-  return prompt;
 }
 
 void DeviceVoice::notice(const std::string& message, guide::Sound sound, TimestampNs now_ns) {

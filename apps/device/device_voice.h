@@ -7,7 +7,6 @@
 
 #include "roomwise/guide/notices.h"
 #include "roomwise/guide/prompt_queue.h"
-#include "roomwise/service/messages.h"
 #include "roomwise/speech/speaker.h"
 
 namespace roomwise::app {
@@ -75,9 +74,6 @@ class ReopenedSpeaker final : public speech::Speaker {
 [[nodiscard]] Expected<std::unique_ptr<speech::Speaker>> open_speaker(const std::string& choice,
                                                                       TimestampNs now_ns,
                                                                       std::ostream& shown);
-
-// A prompt of the computer, on the device's clock. Fails on words that the protocol does not know.
-[[nodiscard]] Expected<guide::Prompt> prompt_of(const service::PromptMessage& message);
 
 // Speaks prompts one after the other, by the rules of guide::PromptQueue.
 class DeviceVoice {

@@ -6,6 +6,7 @@
 
 #include "roomwise/guide/questions/refusal_prompts.h"
 #include "roomwise/live/seconds_since.h"
+#include "roomwise/service/prompt_message.h"
 
 namespace roomwise::live {
 namespace {
@@ -29,20 +30,6 @@ service::Seen seen_of(const FrameResult& result) {
                                           result.place->sigma_m};
   }
   return seen;
-}
-
-service::PromptMessage message_of(const guide::Prompt& prompt) {
-  service::PromptMessage message;
-  message.key = prompt.key;
-  message.message = prompt.message;
-  message.text = prompt.text;
-  message.language = prompt.language;
-  message.priority = to_string(prompt.priority);
-  message.confidence = to_string(prompt.confidence);
-  message.sound = to_string(prompt.sound);
-  message.because = prompt.because;
-  message.valid_until_t_ms = static_cast<double>(prompt.valid_until_ns) / 1e6;
-  return message;
 }
 
 bool is_of_own_things(service::Question question) {
@@ -573,7 +560,7 @@ void Device::answer_waiting(bool more_frames_wait) {
 void Device::say(const std::vector<guide::Prompt>& prompts, std::optional<std::int64_t> answer_to,
                  std::optional<double> based_on_t_ms) {
   for (const guide::Prompt& prompt : prompts) {
-    service::PromptMessage message = message_of(prompt);
+    service::PromptMessage message = service::message_of(prompt);
     message.answer_to = answer_to;
     message.based_on_t_ms = based_on_t_ms;
     send(message);
@@ -628,9 +615,10 @@ bool Device::work() {
     if (result) last_result_ = *result;
   }
   if (result) {
+    // What is shown comes last: who has it has all that this frame has to say.
+    call_out(*result);
     send(seen_of(*result));
     host_.saw(*this, *result);
-    call_out(*result);
   } else {
     refuse(result.error());
   }

@@ -340,6 +340,29 @@ TEST_F(DeviceTest, WhoIsLedTalksToTheGuide) {
   EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "where.unknown");
 }
 
+TEST_F(DeviceTest, WhatAFrameHasToSayComesBeforeWhatItTold) {
+  guide::KnownThing bed;
+  bed.name = "bed";
+  bed.room = "bedroom";
+  host.home->things = {bed};
+  say(hello());
+  ask(1, 100, service::Question::kTakeMeTo, "bed");
+  wire->texts.clear();
+  // Nobody knows where it is: so it is told after a while.
+  std::vector<std::string> types;
+  for (double t_ms = 200; types.size() < 2 && t_ms < 30'000; t_ms += 1000) {
+    show(t_ms);
+    wire->texts.clear();
+    device->work();
+    types.clear();
+    for (const std::string& text : wire->texts) {
+      const auto message = service::read_home_message(text).value();
+      types.push_back(std::holds_alternative<service::Seen>(message) ? "seen" : "prompt");
+    }
+  }
+  EXPECT_THAT(types, ::testing::ElementsAre("prompt", "seen"));
+}
+
 TEST_F(DeviceTest, AQuestionInWordsIsAnsweredAsByItsButton) {
   guide::KnownThing bed;
   bed.name = "bed";
