@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "roomwise/pipeline/mapping/walked_floor.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/made_from.h"
 
@@ -167,7 +168,14 @@ Expected<HomeFloor> find_home_floor(const home::Home& home, RunContext& run) {
   ROOMWISE_TRY(const std::string now, floor_made_from(home));
   ROOMWISE_TRY(const auto kept, home.derived_data(kName));
   auto floor = kept && kept->made_from == now ? from_bytes(kept->data) : std::nullopt;
-  return floor ? *std::move(floor) : build_home_floor(home, run);
+  if (!floor) {
+    ROOMWISE_TRY(floor, build_home_floor(home, run));
+  }
+  if (floor->grid) {
+    ROOMWISE_TRY(const auto keyframes, map_keyframes(home));
+    floor->grid = with_walked_ways(*floor->grid, floor->frame, keyframes);
+  }
+  return *std::move(floor);
 }
 
 Expected<void> keep_home_floor(home::Home& home, RunContext& run) {

@@ -20,9 +20,9 @@ struct HomeFloor {
 // That of a fused map.
 [[nodiscard]] Expected<HomeFloor> floor_of(const GravityAlignedMap& map, RunContext& run);
 
-// As the home keeps it, or, where that is not there, cannot be read, or the map has changed since,
-// from the map, which is fused for it: up to a minute. Fails where the home has no map, and when
-// the user interrupts.
+// With what was walked over (with_walked_ways()). As the home keeps it, or, where that is not
+// there, cannot be read, or the map has changed since, from the map, which is fused for it: up to a
+// minute. Fails where the home has no map, and when the user interrupts.
 [[nodiscard]] Expected<HomeFloor> find_home_floor(const home::Home& home, RunContext& run);
 
 // Keeps it in the home, unless it is there, whole and fresh. The same failures. Or keeps one that
