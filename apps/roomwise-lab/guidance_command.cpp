@@ -5,8 +5,13 @@
 #include "laboratory/simulation/home/home_generator.h"
 #include "laboratory/simulation/home/home_geometry.h"
 #include "laboratory/simulation/home/scenario.h"
+#include "laboratory/simulation/home/storeys.h"
 #include "laboratory/trials/guidance/guidance_page.h"
 #include "laboratory/trials/guidance/guidance_trial.h"
+#include "laboratory/trials/guidance/server_leader.h"
+#include "laboratory/trials/truth_evaluation.h"
+#include "networks.h"
+#include "open_home.h"
 #include "render_options.h"
 #include "roomwise/base/file.h"
 
@@ -18,7 +23,7 @@ using trials::GuidedWalk;
 using trials::TrialSummary;
 
 struct GuidanceOptions {
-  std::uint64_t home_seed = 0;
+  std::optional<std::uint64_t> home_seed;
   int storeys = 1;
   std::string scenario = "day";
   std::optional<std::uint64_t> scenario_seed;
@@ -26,9 +31,20 @@ struct GuidanceOptions {
   std::optional<double> position_sigma_m, answered_share;
   bool every_walk = false;
   fs::path furniture = kFurnitureFolder;
+  // Of the walks whose pictures are drawn.
+  fs::path home, recording;
+  bool is_rendered = false;
+  simulation::RenderOptions render{.samples_per_pixel = 1, .bake_effort = 0.4, .light_cache = {}};
+  trials::ChestCameraOptions camera;
+  trials::PictureTimes times;
   fs::path report;
   trials::TrialOptions trial;
 };
+
+double placed_share(const TrialSummary& summary) {
+  if (summary.pictures == 0) return 0;
+  return static_cast<double>(summary.placed) / static_cast<double>(summary.pictures);
+}
 
 Json to_json(const GuidedWalk& walk) {
   return {{"goal", walk.goal.goal.noun.name},
@@ -38,6 +54,9 @@ Json to_json(const GuidedWalk& walk) {
           {"gave_up", !walk.has_ended},
           {"to_goal_m", walk.to_goal_m},
           {"nearest_stand_m", walk.goal.nearest_stand_m},
+          {"broken_off", walk.broken_off ? Json(*walk.broken_off) : Json()},
+          {"pictures", walk.sightings.pictures},
+          {"placed", walk.sightings.position_errors_m.size()},
           {"shortest_m", walk.goal.shortest_m},
           {"walked_m", walk.walked_m},
           {"seconds", walk.seconds},
@@ -71,7 +90,16 @@ Json to_json(const TrialSummary& summary) {
           {"expired", summary.expired},
           {"deviations_per_walk", summary.deviations_per_walk},
           {"lost_per_walk", summary.lost_per_walk},
-          {"median_to_goal_m", summary.median_to_goal_m}};
+          {"median_to_goal_m", summary.median_to_goal_m},
+          {"broken_off", summary.broken_off},
+          {"pictures", summary.pictures},
+          {"placed_share", placed_share(summary)},
+          {"position_error",
+           {{"median_m", summary.median_position_error_m},
+            {"p95_m", summary.p95_position_error_m},
+            {"beyond_1m", summary.beyond_1m},
+            {"median_heading_degrees", summary.median_heading_error_rad / guide::kDegree_rad},
+            {"p95_heading_degrees", summary.p95_heading_error_rad / guide::kDegree_rad}}}};
 }
 
 Expected<trials::TrialOptions> complete(const GuidanceOptions& options,
@@ -86,6 +114,7 @@ Expected<trials::TrialOptions> complete(const GuidanceOptions& options,
     return fail("'{}' is no guide; expected session, list or list-once", options.guide);
   }
   trial.guide = guide->second;
+  trial.goals.by_name = trial.goals.by_name || options.is_rendered;
   trial.position = trials::PositionModel::of(scenario);
   trial.position.sigma_m = options.position_sigma_m.value_or(trial.position.sigma_m);
   trial.position.answered_share = options.answered_share.value_or(trial.position.answered_share);
@@ -93,46 +122,155 @@ Expected<trials::TrialOptions> complete(const GuidanceOptions& options,
   return trial;
 }
 
-std::string text_of(const TrialSummary& summary) {
+constexpr const char* kModelled = "positions are modelled, the map is the home's truth by day";
+constexpr const char* kRendered =
+    "pictures are drawn and sent to the home's computer, which has the map of a walk by day";
+
+std::string text_of(const TrialSummary& summary, const char* what) {
   return fmt::format(
       "arrived         {} of {} (SPL {:.2f}); {} were told so and were not there\n"
       "path            {:.2f} of the shortest, standard deviation {:.2f}; {:.0f} s\n"
       "contacts        {:.2f} a walk\n"
       "prompts         {:.2f} a metre; of {} {} late, {} wrong, {} never begun\n"
       "off the way     {:.2f} a walk; lost {:.2f} a walk\n"
-      "positions are modelled, the map is the home's truth by day\n",
+      "places          {:.2f} of {} pictures; off by {:.2f} m (median), {:.2f} m (95 %), a metre "
+      "or "
+      "more {} times\n"
+      "{}\n",
       summary.arrived, summary.goals, summary.spl, summary.says_there_wrongly, summary.path_ratio,
       summary.path_ratio_deviation, summary.mean_s, summary.contacts_per_walk,
       summary.prompts_per_m, summary.prompts, summary.late, summary.wrong, summary.expired,
-      summary.deviations_per_walk, summary.lost_per_walk);
+      summary.deviations_per_walk, summary.lost_per_walk, placed_share(summary), summary.pictures,
+      summary.median_position_error_m, summary.p95_position_error_m, summary.beyond_1m, what);
+}
+
+// What is led through, and over what map.
+struct Ground {
+  simulation::HomeModel by_day;
+  std::uint64_t home_seed = 0;
+};
+
+Expected<Ground> ground_of(const GuidanceOptions& options,
+                           const simulation::FurnitureCatalogue& catalogue) {
+  if (options.recording.empty()) {
+    const std::uint64_t seed = options.home_seed.value_or(0);
+    ROOMWISE_TRY(simulation::HomeModel home,
+                 simulation::generate_home({seed, {}, options.storeys}, catalogue));
+    return Ground{std::move(home), seed};
+  }
+  ROOMWISE_TRY(trials::RecordedHome recorded, trials::recorded_home(options.recording, catalogue));
+  return Ground{std::move(recorded.model), recorded.made_of.home ? recorded.made_of.home->seed : 0};
+}
+
+Expected<void> check_rendered(const GuidanceOptions& options, const simulation::HomeModel& home) {
+  if (options.home.empty() || options.recording.empty()) {
+    return fail("--rendered needs --home, and with --recording the simulated walk it was made of");
+  }
+  if (options.guide != "session") {
+    return fail("--guide {} has no pictures; leave out --rendered", options.guide);
+  }
+  if (home.storeys.size() > 1) {
+    return fail("{}: has {} storeys; --rendered leads over one", options.recording.string(),
+                home.storeys.size());
+  }
+  return {};
+}
+
+std::string outcome_of(const GuidedWalk& walk) {
+  return fmt::format("to the {}: {} after {:.0f} s, {} of {} pictures placed", walk.goal.word,
+                     walk.arrived()     ? "arrived"
+                     : walk.broken_off  ? "broken off"
+                     : walk.says_there  ? "told so wrongly"
+                     : !walk.is_offered ? "not known"
+                     : walk.has_ended   ? "not led there"
+                                        : "gave up",
+                     walk.seconds, walk.sightings.position_errors_m.size(),
+                     walk.sightings.pictures);
+}
+
+// One after the other: the pictures of each are drawn by all threads. Interrupted it returns those
+// that were walked.
+Expected<std::vector<GuidedWalk>> walk_rendered(const GuidanceOptions& options,
+                                                const trials::WalkedHome& walked,
+                                                const simulation::FurnitureCatalogue& catalogue,
+                                                std::span<const trials::GuidedGoal> goals,
+                                                const trials::TrialOptions& trial,
+                                                Context& context) {
+  ROOMWISE_CHECK_OK(check_rendered(options, walked.model));
+  ROOMWISE_TRY(const home::OpenOptions open, open_options(context));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
+  ROOMWISE_TRY(const geometry::RigidTransform truth_from_world,
+               trials::truth_from_map(home, options.recording));
+  ROOMWISE_TRY(const pipeline::Networks networks, load_networks({}, &home, /*also_brought=*/true));
+  ROOMWISE_TRY(const objects::ObjectFinders finders, load_object_finders());
+  ROOMWISE_TRY(const auto server,
+               trials::GuidingServer::start(options.home, networks, finders, open));
+  ThreadPool pool(context.threads);
+  ROOMWISE_TRY(const auto renderer,
+               simulation::Renderer::create(simulation::in_world(walked.model), catalogue,
+                                            options.render, pool, context.progress));
+  const auto& frame = server->view()->map->frame;
+  const trials::DrawnWalks walks{
+      *server,        *renderer,    pool, {truth_from_world * frame.gravity_from_world.inverse()},
+      options.camera, options.times};
+  std::vector<GuidedWalk> led;
+  context.progress.begin("walking", goals.size());
+  for (std::size_t i = 0; i < goals.size() && !context.progress.interrupted(); ++i) {
+    led.push_back(trials::lead_by_server(walks, walked, goals[i], trial, i));
+    context.progress.advance(i + 1, outcome_of(led.back()));
+  }
+  context.progress.end();
+  // What was walked counts; nothing does where nobody came to an end.
+  if (led.empty()) ROOMWISE_CHECK_OK(context.progress.check("walking"));
+  return led;
+}
+
+void add_setting_of_positions(const GuidanceOptions& options, const trials::TrialOptions& trial,
+                              Json& json) {
+  json["position"] = options.is_rendered ? "rendered" : "modelled";
+  json["map"] = options.is_rendered ? "mapped" : "truth";
+  if (options.is_rendered) {
+    json["camera"] = options.camera.is_phone ? "phone" : "depth";
+    json["latency_s"] = options.times.latency_s;
+    json["pictures_per_s"] = options.times.pictures_per_s;
+    return;
+  }
+  json["position_model"] = {{"answered_share", trial.position.answered_share},
+                            {"sigma_m", trial.position.sigma_m},
+                            {"wrong_share", trial.position.wrong_share},
+                            {"latency_s", trial.position.latency_s},
+                            {"pictures_per_s", trial.position.pictures_per_s}};
 }
 
 Expected<Answer> run(const GuidanceOptions& options, Context& context) {
   ROOMWISE_TRY(const simulation::Scenario scenario, simulation::parse_scenario(options.scenario));
   ROOMWISE_TRY(const trials::TrialOptions trial, complete(options, scenario, context.seed));
   ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(options.furniture));
-  ROOMWISE_TRY(const simulation::HomeModel by_day,
-               simulation::generate_home({options.home_seed, {}, options.storeys}, catalogue));
+  ROOMWISE_TRY(const Ground ground, ground_of(options, catalogue));
   ROOMWISE_TRY(const trials::GuidedMap map,
-               trials::map_truth(by_day, catalogue.models(), context.seed));
+               trials::map_truth(ground.by_day, catalogue.models(), context.seed));
   const trials::WalkedHome home(simulation::apply_scenario(
-      by_day, scenario, options.scenario_seed.value_or(context.seed), catalogue.models()));
+      ground.by_day, scenario, options.scenario_seed.value_or(context.seed), catalogue.models()));
   ROOMWISE_TRY(const auto goals, trials::choose_goals(map, home, trial.goals));
   std::vector<GuidedWalk> walks(goals.size());
-  ThreadPool pool(context.threads);
-  pool.parallel_for(goals.size(),
-                    [&](std::size_t i) { walks[i] = trials::lead(map, home, goals[i], trial, i); });
+  if (options.is_rendered) {
+    ROOMWISE_TRY(walks, walk_rendered(options, home, catalogue, goals, trial, context));
+  } else {
+    ThreadPool pool(context.threads);
+    pool.parallel_for(goals.size(), [&](std::size_t i) {
+      walks[i] = trials::lead(map, home, goals[i], trial, i);
+    });
+  }
   const TrialSummary summary = trials::summarise(walks);
-  Answer answer{text_of(summary), to_json(summary)};
+  const char* const what = options.is_rendered ? kRendered : kModelled;
+  Answer answer{text_of(summary, what), to_json(summary)};
+  for (const GuidedWalk& walk : walks) {
+    if (walk.broken_off) answer.text += fmt::format("broken off: {}\n", *walk.broken_off);
+  }
+  answer.is_good = summary.broken_off == 0;
   Json& json = answer.json;
-  json["position"] = "modelled";
-  json["map"] = "truth";
-  json["position_model"] = {{"answered_share", trial.position.answered_share},
-                            {"sigma_m", trial.position.sigma_m},
-                            {"wrong_share", trial.position.wrong_share},
-                            {"latency_s", trial.position.latency_s},
-                            {"pictures_per_s", trial.position.pictures_per_s}};
-  json["home_seed"] = options.home_seed;
+  add_setting_of_positions(options, trial, json);
+  json["home_seed"] = ground.home_seed;
   json["scenario"] = options.scenario;
   json["guide"] = trials::to_string(trial.guide);
   json["faults"] = trial.faults.scale;
@@ -142,8 +280,8 @@ Expected<Answer> run(const GuidanceOptions& options, Context& context) {
   if (!options.report.empty()) {
     ROOMWISE_CHECK_OK(write_file(
         options.report,
-        trials::guidance_page(home, walks, fmt::format("Guided through home {}", options.home_seed),
-                              "Positions are modelled; the map is the home's truth by day.")));
+        trials::guidance_page(home, walks, fmt::format("Guided through home {}", ground.home_seed),
+                              fmt::format("In these walks {}.", what))));
     answer.text += fmt::format("wrote {}\n", options.report.string());
     json["report"] = options.report.string();
   }
@@ -156,9 +294,33 @@ void add_guidance_command(CLI::App& app, Context& context) {
   const auto [command, options] = add_command<GuidanceOptions>(
       app, context, "guidance",
       "Lead simulated people who veer and miscount through a simulated home by what they hear",
-      "roomwise-lab guidance --home-seed 221 --goals 20 --seed 1 --report walks.html", run);
-  add_setting(*command, "--home-seed", options.home_seed, "Which home");
+      "roomwise-lab guidance --home-seed 221 --goals 20 --seed 1 --report walks.html\n"
+      "roomwise-lab simulate --home-seed 206 --samples 1 --no-fast-turns -o walk\n"
+      "roomwise map walk --home walk.home\n"
+      "roomwise rooms learn --home walk.home\n"
+      "roomwise-lab guidance --rendered --home walk.home --recording walk --goals 6",
+      run);
+  const auto seed = command->add_option("--home-seed", options.home_seed, "Which home; default: 0")
+                        ->check(not_negative());
   add_setting(*command, "--storeys", options.storeys, "Of the home", CLI::Range(1, 2));
+  command
+      ->add_option("--recording", options.recording,
+                   "Instead: the home of this simulated walk, a folder that simulate wrote")
+      ->excludes(seed);
+  command->add_flag("--by-name", options.trial.goals.by_name,
+                    "Only goals that are asked for by name: rooms, and things that a home has a "
+                    "word for and of which a room has one");
+  command->add_flag("--rendered", options.is_rendered,
+                    "Draw what the walker's camera sees and send it to the home's computer, which "
+                    "leads them over the map that it has; with --home and --recording, by name");
+  command->add_option("--home", options.home, "Home that was mapped from the recording");
+  command->add_flag("--phone", options.camera.is_phone,
+                    "Of --rendered: pictures of a phone, in colour alone, of an unknown lens; "
+                    "else of a calibrated camera with depth");
+  add_setting(*command, "--pictures-per-second", options.times.pictures_per_s, "Of --rendered",
+              positive());
+  add_setting(*command, "--latency", options.times.latency_s,
+              "Of --rendered: from a picture until its answer is heard, s", CLI::Range(0.0, 10.0));
   add_setting(*command, "--goals", options.trial.goals.goals, "How many walks", positive());
   add_setting(*command, "--scenario", options.scenario,
               "How the home is when it is walked: day, evening, night, moved or moved-night; the "
@@ -180,7 +342,7 @@ void add_guidance_command(CLI::App& app, Context& context) {
       ->check(CLI::Range(0.01, 1.0));
   command->add_flag("--walks", options.every_walk, "With each walk in the JSON");
   command->add_option("--report", options.report, "Page to write that shows the walks (.html)");
-  add_furniture_option(*command, options.furniture);
+  add_render_options(*command, options.render, options.furniture);
 }
 
 }  // namespace roomwise::app

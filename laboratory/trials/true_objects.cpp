@@ -75,6 +75,12 @@ std::optional<evaluation::TrueObject> in_words(const simulation::ObjectTruth& ob
   return in_words(object.label, box_of(object), vocabulary);
 }
 
+std::optional<std::string> word_of(const std::string& label,
+                                   const objects::ObjectVocabulary& vocabulary) {
+  const auto entry = in_words(label, {}, vocabulary);
+  return entry && entry->is_expected ? std::optional(entry->kind) : std::nullopt;
+}
+
 std::optional<evaluation::TrueObject> in_words(const labelling::TrueThing& thing,
                                                const objects::ObjectVocabulary& vocabulary) {
   auto entry = in_words(thing.name, thing.box_world, vocabulary);

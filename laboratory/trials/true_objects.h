@@ -20,4 +20,8 @@ namespace roomwise::trials {
 [[nodiscard]] std::optional<evaluation::TrueObject> in_words(
     const labelling::TrueThing& thing, const objects::ObjectVocabulary& vocabulary);
 
+// What a home calls a thing of a simulated home; absent where it has no word for it.
+[[nodiscard]] std::optional<std::string> word_of(const std::string& label,
+                                                 const objects::ObjectVocabulary& vocabulary);
+
 }  // namespace roomwise::trials

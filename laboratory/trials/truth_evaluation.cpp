@@ -8,7 +8,6 @@
 
 #include "laboratory/simulation/home/ground_truth.h"
 #include "laboratory/simulation/recording/simulation_file.h"
-#include "laboratory/simulation/render/true_surfaces.h"
 #include "roomwise/evaluation/trajectory_error.h"
 #include "roomwise/pipeline/mapping/dense_map.h"
 #include "roomwise/pipeline/mapping/map_cloud.h"
@@ -93,24 +92,30 @@ Expected<geometry::RigidTransform> truth_from_map(const home::Home& home,
   return error->truth_from_estimate;
 }
 
-Expected<evaluation::CloudError> evaluate_map(const home::Home& home,
-                                              const std::filesystem::path& recording,
-                                              const std::filesystem::path& furniture,
-                                              const MapEvaluationOptions& options,
-                                              pipeline::RunContext& run) {
-  ROOMWISE_CHECK_OK(mapped_walk(home, recording));
+Expected<RecordedHome> recorded_home(const std::filesystem::path& recording,
+                                     const simulation::FurnitureCatalogue& catalogue) {
   const std::filesystem::path made_of = recording / "simulation.json";
   ROOMWISE_TRY(const auto made, simulation::read_simulation(made_of));
-  ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(furniture));
-  ROOMWISE_TRY(const simulation::HomeModel model, simulation::make_home(made.options, catalogue));
+  ROOMWISE_TRY(simulation::HomeModel model, simulation::make_home(made.options, catalogue));
   const auto load = [&](const std::string& id) { return catalogue.load(id); };
-  ROOMWISE_TRY(const auto surfaces, simulation::TrueSurfaces::create(model, load));
+  ROOMWISE_TRY(auto surfaces, simulation::TrueSurfaces::create(model, load));
   if (surfaces.digest() != made.scene_sha256) {
     return fail(
         "{}: tells of another home than this program, with this furniture, makes of its "
         "description; make the recording anew, and map it again",
         made_of.string());
   }
+  return RecordedHome{made.options, std::move(model), std::move(surfaces)};
+}
+
+Expected<evaluation::CloudError> evaluate_map(const home::Home& home,
+                                              const std::filesystem::path& recording,
+                                              const std::filesystem::path& furniture,
+                                              const MapEvaluationOptions& options,
+                                              pipeline::RunContext& run) {
+  ROOMWISE_CHECK_OK(mapped_walk(home, recording));
+  ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(furniture));
+  ROOMWISE_TRY(const RecordedHome recorded, recorded_home(recording, catalogue));
   ROOMWISE_TRY(auto keyframes, pipeline::map_keyframes(home));
   geometry::RigidTransform truth_from_world;
   if (options.at_true_poses) {
@@ -127,7 +132,8 @@ Expected<evaluation::CloudError> evaluate_map(const home::Home& home,
     const std::size_t end = std::min(points.size(), (block + 1) * kBlock);
     for (std::size_t i = block * kBlock; i < end; ++i) {
       const Eigen::Vector3d point_truth = truth_from_world * points[i].cast<double>();
-      distances_m[i] = surfaces.distance_m(point_truth.cast<float>(), kFarFromEverything_m);
+      distances_m[i] =
+          recorded.surfaces.distance_m(point_truth.cast<float>(), kFarFromEverything_m);
     }
   });
   return evaluation::cloud_error(distances_m);

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "laboratory/simulation/recording/simulate_recording.h"
+#include "laboratory/simulation/render/true_surfaces.h"
 #include "roomwise/evaluation/cloud_error.h"
 #include "roomwise/evaluation/coverage.h"
 #include "roomwise/evaluation/floor_error.h"
@@ -25,6 +27,16 @@ namespace roomwise::trials {
 // trajectory fits best.
 [[nodiscard]] Expected<geometry::RigidTransform> truth_from_map(
     const home::Home& home, const std::filesystem::path& recording);
+
+// The home that a simulated recording shows, as its simulation.json describes it. Fails where this
+// program makes another home of that description than the one that made the recording.
+struct RecordedHome {
+  simulation::SimulationOptions made_of;
+  simulation::HomeModel model;
+  simulation::TrueSurfaces surfaces;
+};
+[[nodiscard]] Expected<RecordedHome> recorded_home(const std::filesystem::path& recording,
+                                                   const simulation::FurnitureCatalogue& catalogue);
 
 // The key-frames whose true pose is known within 0.02 s, in the truth's frame. Fails where there
 // are none.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "laboratory/simulation/home/home_geometry.h"
+#include "laboratory/trials/guidance/modelled_leader.h"
 #include "roomwise/evaluation/quantile.h"
 #include "roomwise/guide/prompt_queue.h"
 #include "roomwise/guide/route_prompts.h"
@@ -12,17 +12,10 @@ namespace roomwise::trials {
 namespace {
 
 using Eigen::Vector2d;
-using guide::Guidance;
 using guide::kDegree_rad;
 using guide::Prompt;
 
-constexpr double kStep_s = 0.05;
-constexpr double kUpdate_s = 0.2;
-
-TimestampNs nanoseconds(double seconds) {
-  // Not from 0, which no clock shows.
-  return std::llround((1 + seconds) * 1e9);
-}
+constexpr double kNote_s = 0.2;  // between the places of a path
 
 const guide::MessageCatalogue& catalogue() {
   static const guide::MessageCatalogue built_in = guide::MessageCatalogue::built_in();
@@ -34,7 +27,7 @@ class Voice {
  public:
   void say(Prompt prompt, double now_s) {
     made_s_[prompt.text] = now_s;
-    queue_.add(std::move(prompt), nanoseconds(now_s));
+    queue_.add(std::move(prompt), trial_ns(now_s));
   }
   struct Events {
     std::optional<Prompt> begun, ended;
@@ -44,10 +37,10 @@ class Voice {
     Events events;
     if (speaking_ && now_s >= until_s_) {
       events.ended = speaking_->prompt;
-      queue_.finished(speaking_->id, nanoseconds(now_s));
+      queue_.finished(speaking_->id, trial_ns(now_s));
       speaking_.reset();
     }
-    if (auto next = queue_.next(nanoseconds(now_s))) {
+    if (auto next = queue_.next(trial_ns(now_s))) {
       events.begun = next->prompt;
       events.waited_s = now_s - made_s_[next->prompt.text];
       until_s_ = now_s + guide::speaking_s(next->prompt.text);
@@ -80,62 +73,69 @@ bool asks_wrongly(const Instruction& asked, const SimulatedWalker& walker, const
 // One person, one goal.
 class Walk {
  public:
-  Walk(const GuidedMap& map, const WalkedHome& home, const GuidedGoal& goal,
-       const TrialOptions& options, std::uint64_t walk)
-      : map_(map),
-        home_(home),
+  Walk(const WalkedHome& home, const GuidedGoal& goal, const TrialOptions& options,
+       std::uint64_t walk)
+      : home_(home),
         options_(options),
         wording_{&catalogue(), options.style},
         walker_(home, goal.start, goal.start_heading_rad, options.faults,
-                options.seed * 1000 + walk),
-        position_(options.position, options.seed * 1000 + walk) {
+                seed_of_walk(options, walk)),
+        walk_(walk) {
     record_.goal = goal;
   }
 
-  [[nodiscard]] GuidedWalk by_session() {
-    Guidance guidance(map_.view(), record_.goal.goal, wording_, options_.guidance);
-    record_.is_offered = true;
-    double said_s = 0, update_s = 0;
-    for (double now_s = 0; now_s < options_.max_s; now_s += kStep_s) {
-      walker_.step(kStep_s);
-      look(now_s);
-      if (now_s >= update_s) {
-        update_s = now_s + kUpdate_s;
+  [[nodiscard]] GuidedWalk led_by(Leader& leader) {
+    double said_s = 0, note_s = 0;
+    const auto say = [&](Expected<std::vector<Prompt>> prompts, double now_s) {
+      if (!prompts) record_.broken_off = std::move(prompts).error().message;
+      if (!prompts) return false;
+      for (Prompt& prompt : *prompts) voice_.say(std::move(prompt), now_s);
+      return true;
+    };
+    for (double now_s = 0; now_s < options_.max_s; now_s += kWalkerStep_s) {
+      walker_.step(kWalkerStep_s);
+      bool is_led = say(leader.after_step(now_s, walker_), now_s);
+      if (now_s >= note_s) {
+        note_s = now_s + kNote_s;
         record_.path.push_back(walker_.place());
-        if (auto prompt = guidance.update(state_at(now_s))) voice_.say(*std::move(prompt), now_s);
         for (const auto request : wishes(now_s - said_s)) {
-          voice_.say(guidance.request(request, nanoseconds(now_s)), now_s);
+          is_led = is_led && say(leader.request(request, now_s), now_s);
           said_s = now_s;
         }
       }
+      if (!is_led) break;
       const Voice::Events events = voice_.step(now_s);
       if (events.begun) {
-        said_s = now_s;
-        begin(events, now_s, guidance.next_place());
+        // What stands ahead is told again and again to who stands before it, and leads nowhere.
+        if (events.begun->priority != guide::Priority::kHazard) said_s = now_s;
+        begin(events, now_s, leader.next_place(walker_));
       }
       if (events.ended) walker_.hear(understand(*events.ended, wording_));
-      if (guidance.is_over() && voice_.is_silent() && now_s - said_s > 6) {
+      if (leader.is_over() && voice_.is_silent() && now_s - said_s > 6) {
         record_.has_ended = true;
         break;
       }
     }
-    record_.says_there = guidance.state() == Guidance::State::kArrived;
+    record_.is_offered = leader.knows_goal();
+    record_.says_there = leader.says_there();
+    record_.sightings = leader.sightings();
     return finished();
   }
 
   // Asks, hears all legs, does them; asks again where `again`.
-  [[nodiscard]] GuidedWalk by_list(bool again) {
+  [[nodiscard]] GuidedWalk by_list(const GuidedMap& map, bool again) {
+    ModelledSight sight(home_, options_.position, seed_of_walk(options_, walk_));
     const guide::Goal& goal = record_.goal.goal;
     record_.is_offered = goal.kind == guide::Goal::Kind::kThing && goal.outline.has_value();
     constexpr int kMaxAsked = 15;
     int asked = 0;
-    double free_s = 0, update_s = 0;
+    double free_s = 0, note_s = 0;
     std::vector<Instruction> legs;
-    for (double now_s = 0; record_.is_offered && now_s < options_.max_s; now_s += kStep_s) {
-      walker_.step(kStep_s);
-      look(now_s);
-      if (now_s >= update_s) {
-        update_s = now_s + kUpdate_s;
+    for (double now_s = 0; record_.is_offered && now_s < options_.max_s; now_s += kWalkerStep_s) {
+      walker_.step(kWalkerStep_s);
+      sight.look(now_s, walker_);
+      if (now_s >= note_s) {
+        note_s = now_s + kNote_s;
         record_.path.push_back(walker_.place());
       }
       const Voice::Events events = voice_.step(now_s);
@@ -154,45 +154,29 @@ class Walk {
       }
       record_.has_ended = record_.says_there || asked > (again ? kMaxAsked : 0);
       if (record_.has_ended) break;
-      const bool is_fresh = state_.pose && now_s - pose_s_ < 0.8;
+      const bool is_fresh = sight.pose() && sight.pose_age_s(now_s) < 0.8;
       if (!is_fresh) continue;
       ++asked;
-      for (Prompt& prompt : list(now_s)) voice_.say(std::move(prompt), now_s);
+      for (Prompt& prompt : list(map, *sight.pose(), now_s)) voice_.say(std::move(prompt), now_s);
       free_s = now_s + 0.2;
     }
     // Who is not told so, but did all that the list said, takes it for the end.
     if (!again && record_.has_ended) record_.says_there = true;
+    record_.sightings = sight.sightings();
     return finished();
   }
 
  private:
-  [[nodiscard]] std::vector<Prompt> list(double now_s) const {
+  [[nodiscard]] std::vector<Prompt> list(const GuidedMap& map, const guide::Pose& pose,
+                                         double now_s) const {
     const guide::Goal& goal = record_.goal.goal;
     const auto route =
-        guide::find_route(map_.floor, state_.pose->position_gravity, goal.outline->middle_gravity,
-                          {}, &map_.layout, goal.room, map_.storeys.stairs());
-    const TimestampNs now_ns = nanoseconds(now_s);
+        guide::find_route(map.floor, pose.position_gravity, goal.outline->middle_gravity, {},
+                          &map.layout, goal.room, map.storeys.stairs());
+    const TimestampNs now_ns = trial_ns(now_s);
     if (!route) return {guide::no_route_prompt(true, route.error().message, wording_, now_ns)};
-    return guide::route_prompts(*route, *state_.pose, goal.noun, map_.layout.doorways(), wording_,
-                                now_ns, map_.storeys.stairs());
-  }
-
-  void look(double now_s) {
-    const auto answer = position_.look(now_s, walker_.place(), walker_.heading_rad());
-    if (!answer) return;
-    state_.room.reset();
-    if (answer->knows_room) {
-      state_.room = home_.model.rooms[simulation::room_at(home_.model, walker_.place())].name;
-    }
-    if (!answer->pose) return;
-    state_.pose = answer->pose;
-    pose_s_ = answer->at_s;
-  }
-  [[nodiscard]] guide::Walker state_at(double now_s) const {
-    guide::Walker walker = state_;
-    walker.now_ns = nanoseconds(now_s);
-    walker.pose_ns = nanoseconds(pose_s_);
-    return walker;
+    return guide::route_prompts(*route, pose, goal.noun, map.layout.doorways(), wording_, now_ns,
+                                map.storeys.stairs());
   }
 
   // What somebody asks for who hears nothing or does not get on.
@@ -220,7 +204,7 @@ class Walk {
   [[nodiscard]] GuidedWalk finished() {
     record_.walked_m = walker_.walked_m();
     record_.seconds =
-        record_.heard.empty() ? 0 : static_cast<double>(record_.path.size()) * kUpdate_s;
+        record_.heard.empty() ? 0 : static_cast<double>(record_.path.size()) * kNote_s;
     record_.contacts = walker_.contacts();
     record_.expired = voice_.take_expired();
     record_.is_there = is_there(home_.model, record_.goal, walker_.place(), options_.goals);
@@ -231,15 +215,12 @@ class Walk {
     return std::move(record_);
   }
 
-  const GuidedMap& map_;
   const WalkedHome& home_;
   const TrialOptions& options_;
   guide::Wording wording_;
   SimulatedWalker walker_;
-  ModelledPosition position_;
+  std::uint64_t walk_;
   Voice voice_;
-  guide::Walker state_;
-  double pose_s_ = 0;
   GuidedWalk record_;
 };
 
@@ -255,6 +236,10 @@ std::string_view to_string(Guide guide) {
       return "list";
   }
   return "unknown";
+}
+
+std::uint64_t seed_of_walk(const TrialOptions& options, std::uint64_t walk) {
+  return options.seed * 1000 + walk;
 }
 
 Expected<void> TrialOptions::validate() const {
@@ -278,15 +263,24 @@ int GuidedWalk::wrong() const {
 
 GuidedWalk lead(const GuidedMap& map, const WalkedHome& home, const GuidedGoal& goal,
                 const TrialOptions& options, std::uint64_t walk) {
-  Walk led(map, home, goal, options, walk);
-  if (options.guide == Guide::kSession) return led.by_session();
-  return led.by_list(options.guide == Guide::kList);
+  if (options.guide != Guide::kSession) {
+    return Walk(home, goal, options, walk).by_list(map, options.guide == Guide::kList);
+  }
+  ModelledSight sight(home, options.position, seed_of_walk(options, walk));
+  ModelledLeader leader(map.view(), goal.goal, {&catalogue(), options.style}, options.guidance,
+                        sight);
+  return lead_by(leader, home, goal, options, walk);
+}
+
+GuidedWalk lead_by(Leader& leader, const WalkedHome& home, const GuidedGoal& goal,
+                   const TrialOptions& options, std::uint64_t walk) {
+  return Walk(home, goal, options, walk).led_by(leader);
 }
 
 TrialSummary summarise(std::span<const GuidedWalk> walks) {
   TrialSummary summary;
   summary.goals = walks.size();
-  std::vector<double> ratios, to_goal_m;
+  std::vector<double> ratios, to_goal_m, position_errors_m, heading_errors_rad;
   double seconds = 0;
   int contacts = 0, deviations = 0, lost = 0;
   for (const GuidedWalk& walk : walks) {
@@ -302,6 +296,10 @@ TrialSummary summarise(std::span<const GuidedWalk> walks) {
     contacts += walk.contacts;
     deviations += walk.deviations;
     lost += walk.lost;
+    summary.broken_off += walk.broken_off ? 1 : 0;
+    summary.pictures += walk.sightings.pictures;
+    std::ranges::copy(walk.sightings.position_errors_m, std::back_inserter(position_errors_m));
+    std::ranges::copy(walk.sightings.heading_errors_rad, std::back_inserter(heading_errors_rad));
     if (!walk.arrived()) continue;
     ++summary.arrived;
     const double ratio = std::max(1.0, walk.walked_m / walk.goal.shortest_m);
@@ -324,6 +322,16 @@ TrialSummary summarise(std::span<const GuidedWalk> walks) {
   summary.lost_per_walk = lost / count;
   if (summary.walked_m > 0) {
     summary.prompts_per_m = static_cast<double>(summary.prompts) / summary.walked_m;
+  }
+  summary.placed = position_errors_m.size();
+  if (summary.placed > 0) {
+    constexpr double kFarOff_m = 1;
+    summary.median_position_error_m = evaluation::quantile(position_errors_m, 0.5);
+    summary.p95_position_error_m = evaluation::quantile(position_errors_m, 0.95);
+    summary.beyond_1m = static_cast<std::size_t>(std::ranges::count_if(
+        position_errors_m, [](double error_m) { return error_m > kFarOff_m; }));
+    summary.median_heading_error_rad = evaluation::quantile(heading_errors_rad, 0.5);
+    summary.p95_heading_error_rad = evaluation::quantile(heading_errors_rad, 0.95);
   }
   if (!to_goal_m.empty()) summary.median_to_goal_m = evaluation::quantile(to_goal_m, 0.5);
   return summary;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "laboratory/trials/guidance/guided_home.h"
+#include "laboratory/trials/guidance/leader.h"
 #include "laboratory/trials/guidance/modelled_position.h"
 #include "laboratory/trials/guidance/simulated_walker.h"
 #include "roomwise/guide/guidance.h"
@@ -35,6 +36,9 @@ struct TrialOptions {
   [[nodiscard]] Expected<void> validate() const;
 };
 
+// Of all that is drawn by chance on it.
+[[nodiscard]] std::uint64_t seed_of_walk(const TrialOptions& options, std::uint64_t walk);
+
 struct HeardPrompt {
   double at_s = 0;  // began to be spoken
   std::string message, text;
@@ -57,6 +61,8 @@ struct GuidedWalk {
   int expired = 0;               // prompts that came too late to be begun
   int repeats = 0, blocked = 0;  // asked for by the person
   double to_goal_m = 0;          // from their edge, at the end
+  Sightings sightings;
+  std::optional<std::string> broken_off = {};  // why nobody led them to the end
   std::vector<HeardPrompt> heard;
   std::vector<Eigen::Vector2d> path;  // five times a second
 
@@ -68,6 +74,9 @@ struct GuidedWalk {
 
 [[nodiscard]] GuidedWalk lead(const GuidedMap& map, const WalkedHome& home, const GuidedGoal& goal,
                               const TrialOptions& options, std::uint64_t walk);
+// The same person, judged alike, led by anybody.
+[[nodiscard]] GuidedWalk lead_by(Leader& leader, const WalkedHome& home, const GuidedGoal& goal,
+                                 const TrialOptions& options, std::uint64_t walk);
 
 struct TrialSummary {
   std::size_t goals = 0, offered = 0, arrived = 0;
@@ -81,7 +90,11 @@ struct TrialSummary {
   double contacts_per_walk = 0, prompts_per_m = 0;
   std::size_t prompts = 0, late = 0, wrong = 0, expired = 0;
   double deviations_per_walk = 0, lost_per_walk = 0;
-  double median_to_goal_m = 0;  // of things that were reached
+  double median_to_goal_m = 0;                          // of things that were reached
+  std::size_t broken_off = 0;                           // walks that nobody led to the end
+  std::size_t pictures = 0, placed = 0, beyond_1m = 0;  // of all walks; placed a metre or more off
+  double median_position_error_m = 0, p95_position_error_m = 0;  // of those placed
+  double median_heading_error_rad = 0, p95_heading_error_rad = 0;
 };
 [[nodiscard]] TrialSummary summarise(std::span<const GuidedWalk> walks);
 

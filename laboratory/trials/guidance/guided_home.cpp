@@ -9,6 +9,7 @@
 #include "laboratory/simulation/home/home_geometry.h"
 #include "laboratory/simulation/home/storeys.h"
 #include "laboratory/simulation/walk/walk.h"
+#include "laboratory/trials/true_objects.h"
 #include "roomwise/base/random.h"
 #include "roomwise/guide/floor_search.h"
 #include "roomwise/guide/legs.h"
@@ -80,7 +81,9 @@ std::optional<double> shortest_way_m(const WalkedHome& home, const GuidedGoal& g
 class GoalChooser {
  public:
   GoalChooser(const GuidedMap& map, const WalkedHome& home, const GoalOptions& options)
-      : map_(map), home_(home), options_(options), random_(options.seed, {0x676f616c}) {}
+      : map_(map), home_(home), options_(options), random_(options.seed, {0x676f616c}) {
+    if (options_.by_name) name_things();
+  }
 
   [[nodiscard]] std::vector<GuidedGoal> choose() {
     std::vector<GuidedGoal> goals;
@@ -106,22 +109,39 @@ class GoalChooser {
  private:
   [[nodiscard]] std::optional<GuidedGoal> draw_goal() {
     const double kind = random_.uniform();
+    constexpr double kThings = 0.75;  // as many of both as when there are doors and spots, too
+    if (options_.by_name) return kind < kThings ? thing() : room();
     if (kind < 0.6) return thing();
     if (kind < 0.8) return room();
     if (kind < 0.9) return door();
     return kind < 0.95 ? way_out() : spot();
   }
 
+  // Those that cannot be asked for get no word.
+  void name_things() {
+    static const objects::ObjectVocabulary vocabulary = objects::ObjectVocabulary::standard();
+    std::map<std::pair<std::string, std::optional<std::string>>, int> counts;
+    for (const guide::KnownThing& thing : map_.things) {
+      words_.push_back(word_of(thing.name, vocabulary).value_or(""));
+      ++counts[{words_.back(), thing.room}];
+    }
+    for (std::size_t i = 0; i < words_.size(); ++i) {
+      if (counts[{words_[i], map_.things[i].room}] > 1) words_[i].clear();
+    }
+  }
+
   // Of those that still stand where the map has them.
   [[nodiscard]] std::optional<GuidedGoal> thing() {
     if (map_.things.empty()) return std::nullopt;
     const std::size_t i = random_.index(map_.things.size());
+    if (options_.by_name && words_[i].empty()) return std::nullopt;
     const std::string& name = map_.object_of_thing[i];
     const auto now = std::ranges::find(home_.model.objects, name, &simulation::PlacedObject::name);
     if (now == home_.model.objects.end()) return std::nullopt;
     const Footprint footprint = simulation::footprint_of(*now);
     GuidedGoal goal{guide::Goal::of(map_.things[i], std::nullopt), outline_of(footprint),
                     now->room};
+    if (options_.by_name) goal.word = words_[i];
     constexpr double kMoved_m = 0.2;
     if ((footprint.center - goal.goal.outline->middle_gravity).norm() > kMoved_m) {
       return std::nullopt;
@@ -132,8 +152,10 @@ class GoalChooser {
     const std::size_t i = random_.index(map_.layout.rooms().size());
     const rooms::RoomExtent& extent = map_.layout.rooms()[i];
     const auto now = std::ranges::find(home_.model.rooms, extent.name, &simulation::Room::name);
-    return GuidedGoal{
+    GuidedGoal goal{
         guide::Goal::of(extent), {}, static_cast<std::size_t>(now - home_.model.rooms.begin())};
+    goal.word = extent.name;
+    return goal;
   }
   [[nodiscard]] std::optional<GuidedGoal> door() {
     const auto doors = guide::doors_of(map_.layout.doorways());
@@ -196,6 +218,7 @@ class GoalChooser {
   const WalkedHome& home_;
   const GoalOptions& options_;
   RandomStream random_;
+  std::vector<std::string> words_;  // of the map's things, where goals are asked for by name
 };
 
 }  // namespace

@@ -58,6 +58,8 @@ struct GuidedGoal {
   // From the goal to the nearest place where a person can stand: beside it, or before what it
   // stands on or behind.
   double nearest_stand_m = 0;
+  // What one would say to be led there: "table"; set where goals are asked for by name.
+  std::string word = {};
   double shortest_m = 0;        // from the start to the nearest place that counts as there
   bool is_over_stairs = false;  // it lies on another storey than the start
 };
@@ -68,6 +70,9 @@ struct GoalOptions {
   double arrived_m = 0.3;  // so much farther from the goal than a person can get
   double body_radius_m = 0.25;
   double min_way_m = 2;  // shorter ones need no guide
+  // Only what anybody can ask for by its name: rooms, and things that a home has a word for and of
+  // which one of their name stands in a room.
+  bool by_name = false;
 
   [[nodiscard]] Expected<void> validate() const;
 };

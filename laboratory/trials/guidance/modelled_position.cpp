@@ -61,7 +61,8 @@ std::optional<ModelledPosition::Answer> ModelledPosition::look(double now_s,
     answers_ = random_.uniform() < model_.answered_share;
     changes_at_s_ = now_s - model_.stretch_s * std::log(1 - random_.uniform());
   }
-  Answer answer{std::nullopt, now_s, random_.uniform() < model_.room_known_share};
+  Answer answer{std::nullopt, now_s, place, heading_rad,
+                random_.uniform() < model_.room_known_share};
   if (answers_) {
     guide::Pose pose{place, heading_rad, model_.sigma_m};
     pose.position_gravity += model_.sigma_m * Eigen::Vector2d(random_.normal(), random_.normal());

@@ -37,6 +37,9 @@ class ModelledPosition {
   struct Answer {
     std::optional<guide::Pose> pose;
     double at_s = 0;  // when the picture was taken
+    // Where it was taken, in truth.
+    Eigen::Vector2d true_place = Eigen::Vector2d::Zero();
+    double true_heading_rad = 0;
     bool knows_room = false;
   };
   // Of the picture that was taken latency_s ago, if one was.
