@@ -363,6 +363,35 @@ TEST_F(DeviceTest, WhatAFrameHasToSayComesBeforeWhatItTold) {
   EXPECT_THAT(types, ::testing::ElementsAre("prompt", "seen"));
 }
 
+TEST_F(DeviceTest, WhatStandsAheadDoesNotBreakOffWhatTheGuideSays) {
+  guide::KnownThing bed;
+  bed.name = "bed";
+  bed.room = "bedroom";
+  host.home->things = {bed};
+  service::Hello with_depth = hello();
+  const geometry::PinholeCamera camera{10, 10, 3.5, 2.5, 8, 6, {}, 1000};
+  with_depth.camera = service::DeviceCamera{8, 6, camera, true};
+  say(with_depth);
+  const auto hazards = [&](double t_ms) {
+    image::DepthImage wall(8, 6);
+    for (int y = 0; y < 6; ++y) {
+      for (int x = 0; x < 8; ++x) wall.at(x, y) = 800;  // mm
+    }
+    const Bytes color = image::encode_jpeg(image::ColorImage(8, 6), 90);
+    const Bytes depth = image::encode_png(wall);
+    device->on_message(write(service::FrameMessage{t_ms, color, depth}));
+    wire->texts.clear();
+    device->work();
+    return std::ranges::count(wire->take<service::PromptMessage>(), "hazard",
+                              &service::PromptMessage::priority);
+  };
+  EXPECT_EQ(hazards(1000), 1);
+  ask(1, 1100, service::Question::kTakeMeTo, "bed");
+  EXPECT_EQ(hazards(1500), 0);
+  say(service::Ask{2, 1600, service::Question::kGuide, "", false, service::GuideWish::kEnd});
+  EXPECT_EQ(hazards(2000), 1);
+}
+
 TEST_F(DeviceTest, AQuestionInWordsIsAnsweredAsByItsButton) {
   guide::KnownThing bed;
   bed.name = "bed";

@@ -28,10 +28,6 @@ class LedWalk {
   // The way from where somebody stands then, whatever has been walked.
   [[nodiscard]] guide::Plan plan_from(const Situation& situation) const;
   [[nodiscard]] bool is_over() const { return guidance_->is_over(); }
-  // What is in the way is then told by the guidance.
-  [[nodiscard]] bool is_walking() const {
-    return guidance_->state() == guide::Guidance::State::kWalking;
-  }
 
  private:
   LedWalk(service::Ask asked, std::shared_ptr<const HomeView> home, guide::Goal goal,
