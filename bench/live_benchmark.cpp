@@ -207,8 +207,8 @@ void run(const Options& options) {
   server_options.session_threads = live_options.threads;  // as serve has it
   server_options.certificate =
       need(service::own_certificate(access_folder, {"127.0.0.1"}, service::Now::read().unix_s));
-  const auto access =
-      need(service::AccessRegister::open(access_folder, server_options.certificate.fingerprint));
+  const std::string fingerprint = server_options.certificate.fingerprint;
+  const auto access = need(service::AccessRegister::open(access_folder, fingerprint));
   const auto server = need(service::Server::start(
       std::move(server_options), service::Router(live::home_routes(*home)), *access, *home));
 
@@ -220,7 +220,7 @@ void run(const Options& options) {
                                                 service::Now::read()));
     devices.push_back(std::make_unique<BenchDevice>(
         options, source->info(), frames, service::ServerAddress{"127.0.0.1", server->port()},
-        service::ServerCredentials{access->fingerprint(), pairing.token}));
+        service::ServerCredentials{fingerprint, pairing.token}));
   }
   constexpr std::size_t kPart = 1000;
   for (std::size_t done = 0; done < options.frames; done += kPart) {
