@@ -10,12 +10,13 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kSameHazard_s = 4;    // what is in the way is told again after this
-constexpr double kLegEnd_m = 0.35;     // half a step before a leg's end one is at it
-constexpr double kAtEnd_m = 0.22;      // a foot's length from the way's end one is there
-constexpr double kSmallStep_m = 0.45;  // a whole one would lead past it
-constexpr double kSlack_m = 0.05;      // of positions: whoever is told so is to be there
-constexpr double kHand_m = 0.7;        // beside the way a hand finds what stands there
+constexpr double kSameHazard_s = 4;     // what is in the way is told again after this
+constexpr double kLegEnd_m = 0.35;      // half a step before a leg's end one is at it
+constexpr double kAtEnd_m = 0.22;       // a foot's length from the way's end one is there
+constexpr double kSmallStep_m = 0.45;   // a whole one would lead past it
+constexpr double kBeyondDoor_m = 0.45;  // both feet are, and not in its frame
+constexpr double kSlack_m = 0.05;       // of positions: whoever is told so is to be there
+constexpr double kHand_m = 0.7;         // beside the way a hand finds what stands there
 
 // What people hear, they do within a second and a half (see docs/guide.md).
 constexpr double kReaction_s = 1.3;  // and the next picture tells of it
@@ -226,11 +227,10 @@ bool Guidance::is_at_goal(const Pose& pose) const {
   const double to_end_m = (end - pose.position_gravity).norm();
   // Anywhere beyond the door is in the room, but who stands in the door is not.
   if (goal_.kind == Goal::Kind::kRoom) {
-    return to_end_m < kLegEnd_m ||
+    return to_end_m < kAtEnd_m ||
            std::ranges::all_of(map_.doorways, [&](const rooms::Doorway& doorway) {
              return !doorway.joins(*goal_.room) ||
-                    (doorway.middle_gravity - pose.position_gravity).norm() >
-                        options_.plan.into_room_m - kLegEnd_m;
+                    (doorway.middle_gravity - pose.position_gravity).norm() > kBeyondDoor_m;
            });
   }
   // What stands on something is reached from where the way ends; a spot is stood on, and so is what
@@ -521,17 +521,18 @@ std::optional<Phrase> Guidance::next_phrase(const Pose& pose, double spoken_s) c
 
 std::optional<Prompt> Guidance::announce(const Pose& pose, TimestampNs now_ns) {
   const double left_m = (legs_[leg_].to - pose.position_gravity).norm();
-  if (announced_ || left_m > options_.announce_from_m || left_m < options_.announce_to_m) {
-    return std::nullopt;
-  }
+  if (announced_ || left_m < options_.announce_to_m) return std::nullopt;
   const auto phrase = next_phrase(pose);
   if (!phrase) return std::nullopt;
-  announced_ = true;
+  const double spoken_s = speaking_s(wording_.phrases().text(phrase->message, phrase->values));
+  // Who walks fast hears of it from farther away: so that as much is left when it has been heard.
+  const double goes_on_m = left_m - left_when_heard_m(left_m, spoken_s);
+  if (left_m > std::max(options_.announce_from_m, kSmallStep_m + goes_on_m)) return std::nullopt;
   // A turn that is too near to be acted on is not announced: they know how many steps it is to
   // there, and are told of it then. Who hears of it while walking counts those steps anew.
-  const double spoken_s = speaking_s(wording_.phrases().text(phrase->message, phrase->values));
   const bool may_wait = !is_last_leg() && !is_next_leg_stairs();
-  if (may_wait && left_when_heard_m(left_m, spoken_s) < kSmallStep_m) return std::nullopt;
+  if (may_wait && left_m - goes_on_m < kSmallStep_m) return std::nullopt;
+  announced_ = true;
   return say(*next_phrase(pose, spoken_s), now_ns);
 }
 
@@ -543,6 +544,8 @@ std::optional<Prompt> Guidance::stopped(const Pose& pose, TimestampNs now_ns) {
   if (waits_since_ns_ && seconds_between(*waits_since_ns_, now_ns) < kSameHazard_s)
     return std::nullopt;
   waits_since_ns_.reset();
+  // Who comes no further after some tries is told what is left, and is not sent again.
+  if (was_barred_here(pose) && barred_times_ > kMaxTries) return end_of_way(pose, now_ns);
   Prompt prompt = act(pose, now_ns);
   if (!std::exchange(is_barred_by_hazard_, false) || plan_.reach == Reach::kWhole) return prompt;
   // Not around it, and it may go, as people do: the way of before holds again after a while.
@@ -601,6 +604,14 @@ std::optional<Prompt> Guidance::on_stairs(const Pose& pose, TimestampNs now_ns) 
   return std::nullopt;
 }
 
+bool Guidance::judges_obstacles(TimestampNs now_ns) const {
+  if (state_ == State::kStairs) return true;
+  const bool leads =
+      !is_over() && state_ != State::kPaused && state_ != State::kByRooms && state_ != State::kLost;
+  if (!leads || track_.pose(now_ns) == nullptr) return false;
+  return state_ == State::kWalking || track_.is_standing();
+}
+
 std::optional<Prompt> Guidance::hazard(const Walker& walker) {
   if (!walker.obstacle_m || state_ != State::kWalking || legs_.empty()) return std::nullopt;
   if (hazard_ns_ && seconds_between(*hazard_ns_, walker.now_ns) < kSameHazard_s) {
@@ -613,11 +624,17 @@ std::optional<Prompt> Guidance::hazard(const Walker& walker) {
   // Nor is the first step, before which one is stopped anyway.
   if (is_next_leg_stairs() && *walker.obstacle_m > left_m - kLegEnd_m) return std::nullopt;
   hazard_ns_ = walker.now_ns;
-  const bool is_door =
+  const bool is_at_door =
       legs_[leg_].ends_at_door && std::abs(*walker.obstacle_m - left_m) < kLegEnd_m;
-  Prompt prompt = stop(is_door ? "guide.stop_door" : "guide.stop_obstacle", walker.now_ns);
+  // Who was told that a door is closed has opened it, or it was open: what is ahead of them then is
+  // its frame or its leaf, beside which they go on.
+  const bool is_closed = is_at_door && !was_barred_here(pose);
+  Prompt prompt = stop(is_closed ? "guide.stop_door" : "guide.stop_obstacle", walker.now_ns);
   prompt.priority = Priority::kHazard;
-  if (!is_door) {
+  if (is_at_door) {
+    count_barred(pose);
+    if (!is_closed) tries_side_ = freer_side(pose);
+  } else {
     is_barred_by_hazard_ = plan_.reach == Reach::kWhole;
     bar_what_is_ahead(pose);
   }
@@ -631,9 +648,10 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
   if (state_ != State::kLost) {
     const double missing_s = std::min(track_.age_s(now_ns), seconds_between(began_ns_, now_ns));
     const bool is_new = begun_ == 0;
-    const double most_s = is_new                      ? 2 * kReaction_s
-                          : state_ == State::kWalking ? options_.lost_s
-                                                      : options_.lost_standing_s;
+    const bool stands = state_ != State::kWalking && track_.is_standing();
+    const double most_s = is_new   ? 2 * kReaction_s
+                          : stands ? options_.lost_standing_s
+                                   : options_.lost_s;
     if (missing_s < most_s) return std::nullopt;
     state_ = State::kLost;
     told_room_.reset();
@@ -772,6 +790,15 @@ void Guidance::bar_what_is_ahead(const Pose& pose) {
   barred_floor_ = fusion::FloorGrid(floor.origin_m(), floor.cell_m(), std::move(cells));
 }
 
+bool Guidance::was_barred_here(const Pose& pose) const {
+  return barred_at_ && (*barred_at_ - pose.position_gravity).norm() < kHand_m;
+}
+
+void Guidance::count_barred(const Pose& pose) {
+  barred_times_ = was_barred_here(pose) ? barred_times_ + 1 : 1;
+  barred_at_ = pose.position_gravity;
+}
+
 // 1: to the left, -1: to the right; there is more room ahead.
 double Guidance::freer_side(const Pose& pose) const {
   constexpr double kAhead_m = 0.5;
@@ -843,9 +870,7 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
       if (plan_.reach == Reach::kWhole) return prompt;
       // Not around it: what was known before holds again.
       barred_floor_.reset();
-      const bool was_here = barred_at_ && (*barred_at_ - pose->position_gravity).norm() < kHand_m;
-      barred_times_ = was_here ? barred_times_ + 1 : 1;
-      barred_at_ = pose->position_gravity;
+      count_barred(*pose);
       tries_side_ = freer_side(*pose);
       // Who comes no further after some tries is told what is left, and is not sent again.
       if (barred_times_ > kMaxTries) return end_of_way(*pose, now_ns);

@@ -23,8 +23,8 @@ struct GuidanceOptions {
   double reassure_m = 5, reassure_s = 8;
   // Off the way: so far beside it or turned so far from it, for so long.
   double off_way_m = 1, off_way_degrees = 30, off_way_s = 2;
-  // Without a pose, of who was told to walk and of who stands: the slow turn that is asked for then
-  // costs more than waiting for the next picture that tells of one.
+  // Without a pose, of who walks or was told to, and of who stands: the slow turn that is asked for
+  // then costs more than waiting for the next picture that tells of one.
   double lost_s = 4, lost_standing_s = 8;
   // From a person's edge to a thing that is reached, and a person's radius seen from above, m.
   double arrived_m = 0.3, body_radius_m = 0.25;
@@ -85,6 +85,10 @@ class Guidance {
   [[nodiscard]] bool is_over() const {
     return state_ == State::kArrived || state_ == State::kNearest || state_ == State::kEnded;
   }
+  // Whether what is in the way is told by it where it matters, or needs no word since somebody
+  // stands or is on stairs. Else whoever sees it must tell: paused, lost or without a place people
+  // walk as they like.
+  [[nodiscard]] bool judges_obstacles(TimestampNs now_ns) const;
   [[nodiscard]] const Goal& goal() const { return goal_; }
   // The way that is followed now.
   [[nodiscard]] const Plan& plan() const { return plan_; }
@@ -136,6 +140,9 @@ class Guidance {
   }
   [[nodiscard]] bool has_arrived(const Pose& pose);
   void bar_what_is_ahead(const Pose& pose);
+  // That somebody came no further, about where they stand now.
+  [[nodiscard]] bool was_barred_here(const Pose& pose) const;
+  void count_barred(const Pose& pose);
 
   [[nodiscard]] bool is_at_goal(const Pose& pose) const;
   [[nodiscard]] bool is_in_goal_room(const Pose& pose) const;

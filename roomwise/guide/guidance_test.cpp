@@ -252,6 +252,70 @@ TEST_F(GuidanceTest, StopsBeforeADoorThatIsClosed) {
   EXPECT_EQ(said[0].priority, Priority::kHazard);
 }
 
+// Its frame or its leaf is before them then. It is not told to open what is open for ever.
+TEST_F(GuidanceTest, WhoComesNoFurtherInADoorIsLedBesideItAndThenToldTheRest) {
+  lead_to(room("kitchen"), {2.6, 3.45}, 0);
+  (void)hear(7);
+  std::vector<std::string> said;
+  for (int i = 0; i < 400 && !guidance_->is_over(); ++i) {
+    obstacle_m_ = 4.05 - place_.x();
+    const bool walks = guidance_->state() == State::kWalking && place_.x() < 3.3;
+    for (const std::string& text : hear(0.4, walks ? 0.6 : 0)) said.push_back(text);
+    if (!said.empty() && said.back().starts_with("A little")) heading_rad_ = 0;
+  }
+  EXPECT_EQ(std::ranges::count(said, "Stop. The door is closed. Open it."), 1);
+  EXPECT_THAT(said, ::testing::Contains("Stop. Something is in the way."));
+  EXPECT_THAT(said, ::testing::Contains(StartsWith("A little to the ")));
+  EXPECT_EQ(guidance_->state(), State::kNearest) << ::testing::PrintToString(said);
+}
+
+// Where it knows the place it tells of what is in the way of who walks, and of nothing else.
+TEST_F(GuidanceTest, JudgesObstaclesOnlyWhereItKnowsTheirPlace) {
+  lead_to(bed_at({7.3, 0.8}, "kitchen"), {0.6, 3.45}, 0);
+  (void)hear(8);
+  ASSERT_EQ(guidance_->state(), State::kWalking);
+  (void)hear(1, 0.6);
+  EXPECT_TRUE(guidance_->judges_obstacles(now_ns_));
+  is_seen_ = false;
+  (void)hear(2, 0.6);
+  EXPECT_FALSE(guidance_->judges_obstacles(now_ns_)) << "nobody knows where they are";
+  (void)hear(4, 0.6);
+  ASSERT_EQ(guidance_->state(), State::kLost);
+  is_seen_ = true;
+  EXPECT_FALSE(guidance_->judges_obstacles(now_ns_));
+  (void)hear(6);
+  (void)ask(GuidanceRequest::kPause);
+  (void)hear(1);
+  EXPECT_FALSE(guidance_->judges_obstacles(now_ns_)) << "they walk as they like";
+}
+
+TEST_F(GuidanceTest, WhoWalksIntoACornerWithoutAPlaceHearsOfItAsSoonAsWhoWalks) {
+  lead_to(bed_at({7.2, 0.8}, "kitchen"), {0.6, 3.45}, 0);
+  (void)hear(8);
+  while (guidance_->state() == State::kWalking && place_.x() < 7) (void)hear(0.2, 0.6);
+  ASSERT_EQ(guidance_->state(), State::kCorner);
+  is_seen_ = false;
+  EXPECT_THAT(hear(5, 0.3), ::testing::Contains("I lost where you are. Stop and turn slowly."));
+}
+
+TEST_F(GuidanceTest, WhoWalksFastHearsOfWhatComesFromFartherAway) {
+  grid_ = testing::Floor(140, 16).grid();  // a corridor
+  has_rooms_ = false;
+  std::vector<double> left_m;
+  for (const double speed_m_s : {0.5, 1.0}) {
+    lead_to(bed_at({13, 0.8}, "hall"), {0.6, 0.8}, 0);
+    (void)hear(8);
+    while (guidance_->state() == State::kWalking && place_.x() < 12) {
+      const double now_left_m = 12.5 - place_.x();
+      for (const Prompt& prompt : go(0.2, speed_m_s)) {
+        if (prompt.message == "guide.soon_goal") left_m.push_back(now_left_m);
+      }
+    }
+  }
+  ASSERT_EQ(left_m.size(), 2u);
+  EXPECT_GT(left_m[1], left_m[0] + 0.3);
+}
+
 TEST_F(GuidanceTest, StopsBeforeWhatStandsInTheWayAndLeadsAroundIt) {
   lead_to(bed_at({3.3, 3.3}, "bedroom"), {0.6, 0.6}, kPi / 4);
   (void)hear(8);

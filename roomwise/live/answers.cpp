@@ -489,10 +489,28 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
   return {};
 }
 
-std::vector<guide::Prompt> Announcer::after(const Situation& situation) {
+bool Announcer::is_obstacle_news(const FrameResult& result) {
+  constexpr double kToldFor_s = 1.5;  // with each picture, so that it is heard if one is lost
+  constexpr double kAgain_s = 12;     // who stands there hears whole sentences in between
+  constexpr double kGone_s = 2;
+  constexpr double kNearer_m = 0.25;
+  if (!result.obstacle_m) return false;
+  const double t_s = result.t_ms / 1000;
+  const double distance_m = *result.obstacle_m;
+  const bool is_new = !obstacle_ || t_s - obstacle_->seen_s > kGone_s || t_s < obstacle_->told_s ||
+                      t_s - obstacle_->told_s > kAgain_s ||
+                      distance_m < obstacle_->told_m - kNearer_m;
+  if (is_new) obstacle_ = Obstacle{t_s, t_s, distance_m};
+  obstacle_->seen_s = t_s;
+  return t_s - obstacle_->told_s < kToldFor_s;
+}
+
+std::vector<guide::Prompt> Announcer::after(const Situation& situation, bool tells_obstacles) {
   std::vector<guide::Prompt> prompts;
   const FrameResult& result = *situation.result;
-  if (result.obstacle_m) {
+  if (!tells_obstacles) {
+    obstacle_.reset();
+  } else if (is_obstacle_news(result)) {
     prompts.push_back(guide::hazard_prompt(*result.obstacle_m, wording_of(situation.settings),
                                            nanoseconds(result.t_ms)));
   }

@@ -84,14 +84,24 @@ constexpr double kMaxSpotSigma_m = 0.3;
 // what stands ahead, with every picture that shows it: who speaks says it once in a while.
 class Announcer {
  public:
-  // After each glance, whether or not it is spoken.
-  [[nodiscard]] std::vector<guide::Prompt> after(const Situation& situation);
+  // After each glance, whether or not it is spoken. Obstacles only where nobody else judges them.
+  [[nodiscard]] std::vector<guide::Prompt> after(const Situation& situation,
+                                                 bool tells_obstacles = true);
   // After each answer: a room that it named is not called out as well.
   void answered(const Situation& situation, const std::vector<guide::Prompt>& prompts);
 
  private:
+  // Who stands before something hears of it when it comes, when it comes nearer, and now and then.
+  [[nodiscard]] bool is_obstacle_news(const FrameResult& result);
+
   std::string room_now_;     // by the last glance; empty: not sure
   std::string room_called_;  // the last that was called out, or named by an answer
+  // What stands ahead and was told of; absent: nothing.
+  struct Obstacle {
+    double told_s = 0, seen_s = 0;  // by the pictures' clock: first told, seen last
+    double told_m = 0;              // how far it was then
+  };
+  std::optional<Obstacle> obstacle_;
 };
 
 }  // namespace roomwise::live

@@ -631,12 +631,12 @@ void Device::call_out(const FrameResult& result) {
   {
     const std::scoped_lock lock(mutex_);
     const auto view = host_.view_for(who_);
-    prompts = announcer_.after({*view, &result, settings_, result.t_ms});
-    // What is in the way of somebody who is led is told by the guidance: it knows the goal, and
-    // whether they are to walk. Told again and again to who stands before a thing or turns, it
-    // would break off every sentence that says what to do.
+    // What is in the way of somebody who is led is told by the guidance where that knows the place:
+    // it knows the goal, and whether they are to walk. Told again and again to who stands before a
+    // thing or turns, it would break off every sentence that says what to do.
+    const bool tells_obstacles = !led_ || !led_->judges_obstacles();
+    prompts = announcer_.after({*view, &result, settings_, result.t_ms}, tells_obstacles);
     std::erase_if(prompts, [&](const guide::Prompt& prompt) {
-      if (prompt.priority == guide::Priority::kHazard) return is_led();
       return prompt.priority == guide::Priority::kCallout &&
              (quiet_ || !settings_.callouts || is_led());
     });
