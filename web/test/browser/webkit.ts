@@ -28,11 +28,11 @@ export class WebKitPage {
   static async open(binary: string, size: { width: number; height: number }, patience: number): Promise<WebKitPage> {
     const port = await freePort();
     const driver = spawn('WebKitWebDriver', [`--port=${port}`], { stdio: 'ignore' });
+    WebKitPage.drivers.add(driver);
     const failed = new Promise<never>((_, reject) => driver.once('error', (error) => reject(new Error(
       `WebKitWebDriver does not start (${error.message}): install it (apt-get install webkit2gtk-driver)`))));
     const begun = session(`http://127.0.0.1:${port}`, binary, patience);
     const id = await Promise.race([begun, failed]);
-    WebKitPage.drivers.add(driver);
     const page = new WebKitPage(driver, `http://127.0.0.1:${port}/session/${id}`, patience);
     await page.call('POST', '/timeouts', { script: patience, pageLoad: patience });
     await page.resize(size);
