@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
 
 namespace roomwise::pipeline {
 namespace {
@@ -11,15 +14,96 @@ using Eigen::Vector2d;
 constexpr double kHalfBody_m = 0.2;  // of who carried the camera, with the shoulders in
 // From one key-frame to the next people go straight, if it is no more than so much.
 constexpr double kStep_m = 1, kStep_s = 2;
+// Whose camera rises or sinks by more may be on a step: those that people build begin at 0.12 m.
+constexpr double kLevel_m = 0.1;
+// A camera is held half a metre ahead of the feet, sinks within a third of one once they go down,
+// and what it led over is as wide as a body: so far before steps may a level camera be over them.
+constexpr double kAhead_m = 0.9;
+constexpr double kTallest_m = 1.9;  // a camera is held under the top of a head
 
-// Over one floor, one right after the other.
-bool is_step(const home::Keyframe& from, const home::Keyframe& to, const Vector2d& from_place,
-             const Vector2d& to_place, const fusion::Storeys& storeys) {
-  return from.recording == to.recording &&
-         seconds_between(from.timestamp_ns, to.timestamp_ns) <= kStep_s &&
-         (to_place - from_place).norm() <= kStep_m &&
-         storeys.at_plan(from_place) == storeys.at_plan(to_place) &&
-         storeys.stairs_at(from_place) == nullptr && storeys.stairs_at(to_place) == nullptr;
+// Where the camera was.
+struct Station {
+  home::RecordingId recording = 0;
+  TimestampNs timestamp_ns = 0;
+  Vector2d place = Vector2d::Zero();  // on the plan
+  double height_m = 0;                // over the storey's floor
+  std::size_t storey = 0;
+  bool is_on_stairs = false;  // recognised ones
+  bool is_level = false;      // as high as it is mostly held in this walk, and over no stairs
+};
+
+// How high each walk holds its camera on each storey: the median.
+std::map<std::pair<home::RecordingId, std::size_t>, double> usual_heights_m(
+    std::span<const Station> stations) {
+  std::map<std::pair<home::RecordingId, std::size_t>, std::vector<double>> all;
+  for (const Station& one : stations) all[{one.recording, one.storey}].push_back(one.height_m);
+  std::map<std::pair<home::RecordingId, std::size_t>, double> usual;
+  for (auto& [walk, heights] : all) {
+    const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+    std::ranges::nth_element(heights, middle);
+    usual[walk] = *middle;
+  }
+  return usual;
+}
+
+std::vector<Station> stations_of(std::span<const home::Keyframe> keyframes,
+                                 const fusion::GravityAlignedFrame& frame) {
+  std::vector<Station> stations;
+  for (const home::Keyframe& one : keyframes) {
+    const Eigen::Vector3d place = frame.on_plan(one.pose.world_from_keyframe.translation);
+    stations.push_back({one.recording, one.timestamp_ns, place.head<2>(), place.z(),
+                        frame.storeys.at_plan(place.head<2>())});
+  }
+  const auto usual = usual_heights_m(stations);
+  for (Station& one : stations) {
+    const double usual_m = usual.at({one.recording, one.storey});
+    one.is_on_stairs = frame.storeys.stairs_at(one.place) != nullptr;
+    one.is_level = !one.is_on_stairs && usual_m > 0 && usual_m <= kTallest_m &&
+                   std::abs(one.height_m - usual_m) <= kLevel_m;
+  }
+  return stations;
+}
+
+bool is_near(const Station& from, const Station& to) {
+  return from.recording == to.recording && from.storey == to.storey &&
+         (to.place - from.place).norm() <= kStep_m &&
+         std::abs(to.height_m - from.height_m) <= kLevel_m;
+}
+
+// Over one floor.
+bool goes_on(const Station& from, const Station& to) {
+  return from.is_level && to.is_level && is_near(from, to);
+}
+
+bool comes_to_stairs(const Station& floor, const Station& stairs) {
+  return floor.is_level && stairs.is_on_stairs && is_near(floor, stairs);
+}
+
+// Whether the walk goes on level from a station until it is kAhead_m away: then the feet followed.
+// Where recognised stairs begin is known, so it may come to them before.
+bool is_level_after(std::span<const Station> stations, std::size_t at) {
+  std::size_t i = at + 1;
+  for (; i < stations.size() && goes_on(stations[i - 1], stations[i]); ++i) {
+    if ((stations[i].place - stations[at].place).norm() >= kAhead_m) return true;
+  }
+  return i < stations.size() && comes_to_stairs(stations[i - 1], stations[i]);
+}
+
+// Likewise whether it came level to there, or began: where it begins the feet are behind.
+bool is_level_before(std::span<const Station> stations, std::size_t at) {
+  std::size_t i = at;
+  for (; i > 0 && goes_on(stations[i - 1], stations[i]); --i) {
+    if ((stations[i - 1].place - stations[at].place).norm() >= kAhead_m) return true;
+  }
+  return i == 0 || stations[i - 1].recording != stations[i].recording ||
+         comes_to_stairs(stations[i], stations[i - 1]);
+}
+
+// Whether one walked over level floor to a station from the one before it.
+bool is_step(std::span<const Station> stations, std::size_t to) {
+  return goes_on(stations[to - 1], stations[to]) &&
+         seconds_between(stations[to - 1].timestamp_ns, stations[to].timestamp_ns) <= kStep_s &&
+         is_level_before(stations, to - 1) && is_level_after(stations, to);
 }
 
 double distance_m(const Vector2d& from, const Vector2d& to, const Vector2d& point) {
@@ -56,14 +140,9 @@ fusion::FloorGrid with_walked_ways(const fusion::FloorGrid& floor,
     for (int column = 0; column < floor.columns(); ++column)
       cells.at(column, row) = floor.at(column, row);
   }
-  const auto place_of = [&](const home::Keyframe& keyframe) -> Vector2d {
-    return frame.on_plan(keyframe.pose.world_from_keyframe.translation).head<2>();
-  };
-  for (std::size_t i = 1; i < keyframes.size(); ++i) {
-    const Vector2d from = place_of(keyframes[i - 1]), to = place_of(keyframes[i]);
-    if (is_step(keyframes[i - 1], keyframes[i], from, to, frame.storeys)) {
-      walk(from, to, floor, cells);
-    }
+  const std::vector<Station> stations = stations_of(keyframes, frame);
+  for (std::size_t i = 1; i < stations.size(); ++i) {
+    if (is_step(stations, i)) walk(stations[i - 1].place, stations[i].place, floor, cells);
   }
   return {floor.origin_m(), floor.cell_m(), std::move(cells)};
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace roomwise::pipeline {
@@ -42,20 +43,122 @@ TEST(WalkedFloorTest, WhatWasSeenOccupiedStaysSo) {
   EXPECT_EQ(with_walked_ways(floor(), {}, walk(5)).at({2.05, 1.05}), FloorCell::kOccupied);
 }
 
+std::size_t free_cells(const std::vector<home::Keyframe>& keyframes) {
+  return with_walked_ways(floor(), {}, keyframes).count(FloorCell::kFree);
+}
+
 TEST(WalkedFloorTest, NothingIsWalkedBetweenKeyframesThatDoNotFollowEachOther) {
-  const auto free_cells = [](std::vector<home::Keyframe> keyframes) {
-    return with_walked_ways(floor(), {}, keyframes).count(FloorCell::kFree);
-  };
-  auto late = walk(2);
-  late[1].timestamp_ns = 3'000'000'000;
-  EXPECT_EQ(free_cells(late), 0u);
-  auto far = walk(2);
-  far[1].pose.world_from_keyframe.translation.x() = 2;
-  EXPECT_EQ(free_cells(far), 0u);
-  auto others = walk(2);
-  others[1].recording = 2;
-  EXPECT_EQ(free_cells(others), 0u);
-  EXPECT_GT(free_cells(walk(2)), 0u);
+  auto late = walk(4);
+  for (std::size_t i : {1, 2, 3}) late[i].timestamp_ns += 3'000'000'000;
+  EXPECT_EQ(with_walked_ways(floor(), {}, late).at({0.75, 1.05}), FloorCell::kUnknown);
+  auto far = walk(4);
+  for (std::size_t i : {1, 2, 3}) far[i].pose.world_from_keyframe.translation.x() += 1;
+  EXPECT_EQ(with_walked_ways(floor(), {}, far).at({0.75, 1.05}), FloorCell::kUnknown);
+  auto others = walk(4);
+  for (std::size_t i : {1, 2, 3}) others[i].recording = 2;
+  EXPECT_EQ(with_walked_ways(floor(), {}, others).at({0.75, 1.05}), FloorCell::kUnknown);
+  EXPECT_EQ(with_walked_ways(floor(), {}, walk(4)).at({0.75, 1.05}), FloorCell::kFree);
+}
+
+// Key-frames every 10 cm along x from 0 at y = 1; how high the camera is over the floor where a
+// walk began, by how far it has come.
+template <typename Height>
+std::vector<home::Keyframe> dense_walk(double length_m, const Height& height_m) {
+  std::vector<home::Keyframe> keyframes;
+  for (int i = 0; 0.1 * i <= length_m; ++i) {
+    home::Keyframe& one = keyframes.emplace_back();
+    one.id = i + 1;
+    one.recording = 1;
+    one.timestamp_ns = i * 100'000'000LL;
+    one.pose.world_from_keyframe.translation = {0.1 * i, 1, height_m(0.1 * i)};
+  }
+  return keyframes;
+}
+
+// The last free cell's middle along the walk, in m; 0: none is.
+double free_up_to_m(const fusion::FloorGrid& floor) {
+  double last_m = 0;
+  for (double x = 0.05; x < 4; x += 0.1)
+    if (floor.at({x, 1.05}) == FloorCell::kFree) last_m = x;
+  return last_m;
+}
+
+fusion::FloorGrid unknown_floor() {
+  return {Eigen::Vector2d::Zero(), 0.1, image::Image<FloorCell>(40, 20, FloorCell::kUnknown)};
+}
+
+TEST(WalkedFloorTest, StepsDownThatNobodyRecognisedAreNoFloor) {
+  // The edge is at 2 m. The camera is carried half a metre ahead of the feet, and sinks with them.
+  for (const double steepness : {0.5, 0.65, 0.9}) {
+    const auto down =
+        dense_walk(4, [&](double x) { return 1.4 - std::max(0.0, steepness * (x - 2.5)); });
+    const double last_m = free_up_to_m(with_walked_ways(unknown_floor(), {}, down));
+    EXPECT_LT(last_m, 2) << steepness;
+    EXPECT_GT(last_m, 1.5) << steepness;
+  }
+}
+
+TEST(WalkedFloorTest, FloorIsWalkedUpToStairsThatWereRecognised) {
+  fusion::Staircase stairs;
+  stairs.foot_gravity = {4, 1};
+  stairs.top_gravity = {2, 1};  // where the camera comes to them they begin to lead down
+  fusion::GravityAlignedFrame frame;
+  frame.storeys = fusion::Storeys({{-2.6, {0, 0}}, {0, {0, 0}, -10}}, {stairs});
+  const auto down = dense_walk(4, [&](double x) { return 1.4 - std::max(0.0, 0.65 * (x - 2.5)); });
+  const auto walked = with_walked_ways(unknown_floor(), frame, down);
+  EXPECT_EQ(walked.at({1.85, 1.05}), FloorCell::kFree);
+  EXPECT_EQ(walked.at({2.25, 1.05}), FloorCell::kUnknown);
+}
+
+TEST(WalkedFloorTest, StepsUpThatNobodyRecognisedAreNoFloor) {
+  const auto up = dense_walk(4, [](double x) { return 1.4 + std::max(0.0, 0.65 * (x - 2.2)); });
+  EXPECT_LT(free_up_to_m(with_walked_ways(unknown_floor(), {}, up)), 2);
+}
+
+TEST(WalkedFloorTest, WhereTheWalkWasLostInFrontOfStairsNothingAheadOfTheFeetIsFloor) {
+  // The edge is at 2 m, and the camera was last placed over the first tread.
+  const auto lost = dense_walk(2.5, [](double) { return 1.4; });
+  EXPECT_LT(free_up_to_m(with_walked_ways(unknown_floor(), {}, lost)), 2);
+}
+
+TEST(WalkedFloorTest, ALandingOneStepLowerIsNoFloorOfTheStorey) {
+  const auto landing =
+      dense_walk(4, [](double x) { return 1.4 - std::clamp(0.65 * (x - 2.5), 0.0, 0.14); });
+  EXPECT_LT(free_up_to_m(with_walked_ways(unknown_floor(), {}, landing)), 2);
+}
+
+TEST(WalkedFloorTest, AnotherLevelThatIsNoStoreyIsNoFloor) {
+  // Most of this walk was a floor higher than the one that the map knows.
+  EXPECT_EQ(free_cells(dense_walk(4, [](double) { return 1.4 + 2.7; })), 0u);
+}
+
+TEST(WalkedFloorTest, ALadderIsNoFloor) {
+  auto ladder = dense_walk(2, [](double) { return 1.4; });
+  const auto climbed = dense_walk(1.5, [](double) { return 0.0; });
+  for (const home::Keyframe& one : climbed) {
+    const double up_m = one.pose.world_from_keyframe.translation.x();
+    home::Keyframe& higher = ladder.emplace_back(ladder.back());
+    higher.timestamp_ns += 100'000'000;
+    higher.pose.world_from_keyframe.translation = {2 + 0.1 * up_m, 1, 1.4 + up_m};
+  }
+  const double last_m = free_up_to_m(with_walked_ways(unknown_floor(), {}, ladder));
+  EXPECT_LT(last_m, 1.5);
+  EXPECT_GT(last_m, 0.9);
+}
+
+TEST(WalkedFloorTest, ALevelWalkMayBobAsWalkersDo) {
+  const auto bobbing = dense_walk(4, [](double x) { return 1.4 + 0.04 * std::sin(9 * x); });
+  const auto walked = with_walked_ways(unknown_floor(), {}, bobbing);
+  for (double x = 0.05; x < 3; x += 0.1) EXPECT_EQ(walked.at({x, 1.05}), FloorCell::kFree) << x;
+}
+
+TEST(WalkedFloorTest, WhereOneTurnsBackIsFloor) {
+  auto there_and_back = dense_walk(2, [](double) { return 1.4; });
+  for (std::size_t i = there_and_back.size() - 1; i-- > 0;) {
+    home::Keyframe& back = there_and_back.emplace_back(there_and_back[i]);
+    back.timestamp_ns = static_cast<TimestampNs>(there_and_back.size()) * 100'000'000;
+  }
+  EXPECT_GT(free_up_to_m(with_walked_ways(unknown_floor(), {}, there_and_back)), 2);
 }
 
 }  // namespace
