@@ -72,7 +72,9 @@ struct MapRefinement {
 // nothing around it held: it measures the edges of its key-frames anew, and the pose graph of these
 // says where all are (as Ni, Steedly and Dellaert join submaps, "Tectonic SAM", 2007). Then each
 // with all else held, which mends the borders. The readout time is the mean of what the windows
-// find by themselves, by how many views tell of it. Windows without landmarks stay where they are.
+// find by themselves, by how many views tell of it. In windows without landmarks nothing is
+// measured anew: their key-frames stay where the graph says, which bends them by their edges as
+// adjusting the map whole would (the far parts of a map that a further walk joined, say).
 [[nodiscard]] Expected<MapRefinement> refine_map(const MapSolution& solution,
                                                  const RefinementInputs& inputs,
                                                  const MapSolverOptions& solver,

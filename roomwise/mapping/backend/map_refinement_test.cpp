@@ -26,6 +26,7 @@ struct Map {
       : scene(scene_options), camera(scene.truth().models[0].camera) {
     RandomStream random(9);
     const Bundle& truth = scene.truth();
+    has_landmarks.assign(truth.cameras.size(), true);
     features = testing::small_features(testing::feature_walk(truth), camera);
     edges = truth.edges;
     for (PoseGraphEdge& edge : edges) {
@@ -55,9 +56,7 @@ struct Map {
         if (id < features.size()) found.push_back(features[id]);
       return Expected<std::vector<KeyframeFeatures>>(std::move(found));
     };
-    return refine_map(solution(),
-                      {edges, find, std::vector<bool>(times.size(), true), times, walks}, {},
-                      options, silent);
+    return refine_map(solution(), {edges, find, has_landmarks, times, walks}, {}, options, silent);
   }
   [[nodiscard]] double worst_error_m(const std::vector<RigidTransform>& poses) const {
     const auto truth = testing::poses_of(scene.truth());
@@ -86,8 +85,17 @@ struct Map {
   std::vector<KeyframeFeatures> features;
   std::vector<TimestampNs> times;
   std::vector<Frame> frames;
+  std::vector<bool> has_landmarks;
   mutable std::size_t most_at_once = 0;  // key-frames whose features were asked for
 };
+
+double farthest_apart_m(const std::vector<RigidTransform>& poses,
+                        const std::vector<RigidTransform>& others) {
+  double farthest_m = 0;
+  for (std::size_t id = 0; id < poses.size(); ++id)
+    farthest_m = std::max(farthest_m, (poses[id].translation - others[id].translation).norm());
+  return farthest_m;
+}
 
 // Windows of five key-frames with five around them.
 RefinementOptions small_windows() {
@@ -212,6 +220,49 @@ TEST(RefineMap, InWindowsWhatHasNoLandmarksStaysWhereTheGraphSays) {
   const auto refined = map.refined(small_windows());
   ASSERT_OK(refined);
   EXPECT_EQ(refined->landmarks, 0U);
+  EXPECT_LT(farthest_apart_m(refined->world_from_keyframe, map.solution().world_from_keyframe),
+            1e-6);
+}
+
+// As a further walk joins a large map: landmarks are looked for in its key-frames, from 14 on,
+// alone, and one of them is tied to an early one of the map.
+Map further_walk() {
+  Map map({.cameras = 24, .landmarks = 900, .noise_sigmas = 0.5}, 0.004);
+  PoseGraphEdge tie = map.edges.front();
+  const auto truth = testing::poses_of(map.scene.truth());
+  tie.from = 3;
+  tie.to = 20;
+  tie.from_from_to = truth[3].inverse() * truth[20];
+  map.edges.push_back(tie);
+  std::fill(map.has_landmarks.begin(), map.has_landmarks.begin() + 14, false);
+  return map;
+}
+
+TEST(RefineMap, InWindowsEdgesBendWhatHasNoLandmarksAsInAMapThatIsAdjustedWhole) {
+  const Map map = further_walk();
+  const auto whole = map.refined();
+  const auto in_windows = map.refined(small_windows());
+  ASSERT_OK(whole);
+  ASSERT_OK(in_windows);
+  ASSERT_GT(in_windows->landmarks, 100U);
+  const auto before = map.solution().world_from_keyframe;
+  for (std::size_t id = 0; id <= 3; ++id) {  // nothing pulls at these
+    EXPECT_LT((in_windows->world_from_keyframe[id].translation - before[id].translation).norm(),
+              1e-5)
+        << id;
+  }
+  const auto step = [](const std::vector<RigidTransform>& poses, std::size_t id) {
+    return poses[id - 1].inverse() * poses[id];
+  };
+  for (std::size_t id = 4; id < 14; ++id) {
+    const Eigen::Vector3d asked = whole->world_from_keyframe[id].translation;
+    const Eigen::Vector3d moved = in_windows->world_from_keyframe[id].translation;
+    EXPECT_LT((moved - asked).norm(), (before[id].translation - asked).norm()) << id;
+    const auto bent_m = [&](const std::vector<RigidTransform>& poses) {
+      return (step(before, id).inverse() * step(poses, id)).distance_m();
+    };
+    EXPECT_LT(bent_m(in_windows->world_from_keyframe), bent_m(whole->world_from_keyframe)) << id;
+  }
 }
 
 }  // namespace
