@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
+#include <map>
 
 #include "roomwise/mapping/backend/frame_poses.h"
 #include "roomwise/mapping/backend/refinement_windows.h"
@@ -71,13 +71,23 @@ std::vector<RefinementWindow> windows_of(const MapSolution& solution,
 
 // Which key-frames are the cameras of a window's bundle: those that are held come first.
 struct BundlePlaces {
-  std::vector<KeyframeId> keyframe;  // by place
-  std::vector<std::uint32_t> place;  // by key-frame id; kNone: it is none of them
+  std::vector<KeyframeId> keyframe;           // by place
+  std::map<KeyframeId, std::uint32_t> place;  // of those that are cameras
   std::size_t held = 0;
-  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-  [[nodiscard]] bool has(KeyframeId id) const { return place[id] != kNone; }
+  [[nodiscard]] bool has(KeyframeId id) const { return place.contains(id); }
 };
+
+// By key-frame id: which edges lead to it or from it, by their numbers.
+std::vector<std::vector<std::size_t>> edges_by_keyframe(std::size_t keyframes,
+                                                        std::span<const PoseGraphEdge> edges) {
+  std::vector<std::vector<std::size_t>> of_keyframe(keyframes);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    of_keyframe[edges[i].from].push_back(i);
+    of_keyframe[edges[i].to].push_back(i);
+  }
+  return of_keyframe;
+}
 
 // What adjusting one window came to.
 struct AdjustedWindow {
@@ -101,6 +111,7 @@ class Refiner {
         component_(solution.component),
         is_first_(firsts_of_components(solution)),
         edges_(agreeing_edges(solution, inputs.edges, solver)),
+        edges_of_(edges_by_keyframe(solution.world_from_keyframe.size(), edges_)),
         poses_(solution.world_from_keyframe),
         windows_(windows_of(solution, options)),
         graph_options_(solver.graph) {
@@ -204,7 +215,8 @@ class Refiner {
     const auto has_landmarks = [&](KeyframeId id) { return inputs_.has_landmarks[id]; };
     if (windows_.size() > 1 && std::ranges::none_of(window.own, has_landmarks)) return {};
     const BundlePlaces places = places_of(window, floats);
-    const std::vector<RigidTransform> before = floats ? poses_ : std::vector<RigidTransform>();
+    std::vector<RigidTransform> before;
+    for (const KeyframeId id : places.keyframe) before.push_back(poses_[id]);
     Bundle bundle;
     bundle.models.clear();
     for (const RefinedWalk& walk : inputs_.walks)
@@ -235,7 +247,7 @@ class Refiner {
     }
     if (floats) {
       measure_edges(window, places);
-      poses_ = before;
+      for (std::size_t i = 0; i < before.size(); ++i) poses_[places.keyframe[i]] = before[i];
     }
     adjusted.readout_s = bundle.models.back().readout_s;
     count(window, places, bundle, adjusted);
@@ -244,13 +256,22 @@ class Refiner {
 
   // The edges of the window's own key-frames as it lies now; the first window to say so counts.
   void measure_edges(const RefinementWindow& window, const BundlePlaces& places) {
-    for (std::size_t i = 0; i < edges_.size(); ++i) {
+    for (const std::size_t i : edges_at(window.own)) {
       const auto& [from, to] = std::pair(edges_[i].from, edges_[i].to);
       if (is_measured_[i] || !places.has(from) || !places.has(to)) continue;
-      if (!is_own(window, from) && !is_own(window, to)) continue;
       measured_[i].from_from_to = poses_[from].inverse() * poses_[to];
       is_measured_[i] = true;
     }
+  }
+
+  // Which edges lead to these key-frames or from them; numbers ascend.
+  [[nodiscard]] std::vector<std::size_t> edges_at(std::span<const KeyframeId> ids) const {
+    std::vector<std::size_t> numbers;
+    for (const KeyframeId id : ids) std::ranges::copy(edges_of_[id], std::back_inserter(numbers));
+    std::ranges::sort(numbers);
+    const auto twice = std::ranges::unique(numbers);
+    numbers.erase(twice.begin(), twice.end());
+    return numbers;
   }
 
   static bool is_own(const RefinementWindow& window, KeyframeId id) {
@@ -259,24 +280,22 @@ class Refiner {
 
   // Its own key-frames and those around; where it does not float also those that edges lead to.
   [[nodiscard]] BundlePlaces places_of(const RefinementWindow& window, bool floats) const {
-    BundlePlaces places;
-    places.place.assign(poses_.size(), BundlePlaces::kNone);
-    std::vector<bool> may_move(poses_.size(), false), is_there(poses_.size(), false);
-    for (const KeyframeId id : window.own) may_move[id] = is_there[id] = true;
-    for (const KeyframeId id : window.around) is_there[id] = true;
+    std::map<KeyframeId, bool> may_move;  // of those that are there
+    for (const KeyframeId id : window.around) may_move[id] = floats;
+    for (const KeyframeId id : window.own) may_move[id] = true;
     if (floats) {
-      may_move = is_there;
       may_move[window.own.front()] = false;
     } else {
-      for (const PoseGraphEdge& edge : edges_)
-        if (may_move[edge.from] || may_move[edge.to])
-          is_there[edge.from] = is_there[edge.to] = true;
-      for (KeyframeId id = 0; id < poses_.size(); ++id)
-        if (is_first_[id]) may_move[id] = false;
+      for (const std::size_t edge : edges_at(window.own)) {
+        may_move.try_emplace(edges_[edge].from, false);
+        may_move.try_emplace(edges_[edge].to, false);
+      }
+      for (auto& [id, moves] : may_move) moves = moves && !is_first_[id];
     }
-    for (const bool moves : {false, true}) {
-      for (KeyframeId id = 0; id < poses_.size(); ++id) {
-        if (!is_there[id] || may_move[id] != moves) continue;
+    BundlePlaces places;
+    for (const bool moving : {false, true}) {
+      for (const auto& [id, moves] : may_move) {
+        if (moves != moving) continue;
         places.place[id] = static_cast<std::uint32_t>(places.keyframe.size());
         places.keyframe.push_back(id);
         places.held += moves ? 0 : 1;
@@ -304,7 +323,7 @@ class Refiner {
                   [&](const Covisible& pair) { return !of_window[pair.a] && !of_window[pair.b]; });
     auto landmarks = find_landmarks(features, poses, pairs, options_.landmarks);
     for (Landmark& landmark : landmarks)
-      for (LandmarkView& view : landmark.views) view.camera = places.place[ids[view.camera]];
+      for (LandmarkView& view : landmark.views) view.camera = places.place.at(ids[view.camera]);
     return landmarks;
   }
 
@@ -335,13 +354,13 @@ class Refiner {
       return bundle.models[walk_of_[id]].readout_s * velocities_[id];
     };
     bundle.edges.clear();
-    for (const PoseGraphEdge& edge : edges_) {
+    for (const std::size_t number : edges_at(floats ? places.keyframe : window.own)) {
+      const PoseGraphEdge& edge = edges_[number];
       if (!places.has(edge.from) || !places.has(edge.to)) continue;
-      if (!floats && !is_own(window, edge.from) && !is_own(window, edge.to)) continue;
       PoseGraphEdge& placed = bundle.edges.emplace_back(
           with_shutter_motion(edge, while_read_out(edge.from), while_read_out(edge.to)));
-      placed.from = places.place[edge.from];
-      placed.to = places.place[edge.to];
+      placed.from = places.place.at(edge.from);
+      placed.to = places.place.at(edge.to);
     }
   }
 
@@ -367,7 +386,8 @@ class Refiner {
   std::vector<bool> is_first_;              // likewise: of its component
   std::vector<std::uint32_t> walk_of_;      // likewise
   std::vector<PoseGraphEdge> edges_;
-  std::vector<RigidTransform> poses_;  // by key-frame id
+  std::vector<std::vector<std::size_t>> edges_of_;  // by key-frame id
+  std::vector<RigidTransform> poses_;               // by key-frame id
   std::vector<RefinementWindow> windows_;
   PoseGraphOptions graph_options_;
   std::vector<PoseGraphEdge> measured_;  // edges_ as windows measure them
