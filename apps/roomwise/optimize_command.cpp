@@ -72,9 +72,8 @@ Expected<Answer> optimize_home(const OptimizeOptions& options, Context& context)
   const double error_before = mapping::pose_graph_error(before);
   cv::setNumThreads(1);  // the threads are ours
   CommandRun run(context);
-  const auto features = [&](std::span<const home::KeyframeId> ids) {
-    return pipeline::stored_keyframe_features(home, ids, *settings, run);
-  };
+  ROOMWISE_TRY(const mapping::FindFeatures features,
+               pipeline::stored_keyframe_features(home, *settings, run));
   auto moved = pipeline::solve_stored_map(home, *settings, features, context.progress);
   if (!moved && moved.error().code == ErrorCode::kInterrupted) {
     return fail_with(ErrorCode::kInterrupted, "interrupted; {} is as it was",

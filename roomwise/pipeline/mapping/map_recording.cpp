@@ -133,20 +133,24 @@ Expected<void> map_frames(recording::FrameSource& source, const home::Home& home
   return run.progress.check("mapping");
 }
 
-// What landmarks are found by in these key-frames, one after the other.
-Expected<std::vector<mapping::KeyframeFeatures>> landmark_features(
-    const home::Home& home, mapping::Mapper& mapper, const MapSettings& settings,
-    std::span<const home::KeyframeId> ids) {
-  ROOMWISE_TRY(const auto cameras, recording_cameras(home));
+// Finds what landmarks are found by in key-frames that the mapper holds, one after the other.
+Expected<mapping::FindFeatures> landmark_features(const home::Home& home, mapping::Mapper& mapper,
+                                                  const MapSettings& settings) {
+  ROOMWISE_TRY(auto cameras, recording_cameras(home));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  std::vector<mapping::KeyframeFeatures> features;
-  for (const home::KeyframeId id : ids) {
-    ROOMWISE_TRY(const auto measurements, mapper.measurements(id));
-    features.push_back(mapping::keyframe_features(measurements->features(),
-                                                  cameras.at(keyframes[id].recording),
-                                                  settings.refinement.landmarks));
-  }
-  return features;
+  std::vector<home::RecordingId> recording_of;
+  for (const home::Keyframe& one : keyframes) recording_of.push_back(one.recording);
+  return [&mapper, &settings, cameras = std::move(cameras),
+          recording_of = std::move(recording_of)](std::span<const home::KeyframeId> ids)
+             -> Expected<std::vector<mapping::KeyframeFeatures>> {
+    std::vector<mapping::KeyframeFeatures> features;
+    for (const home::KeyframeId id : ids) {
+      ROOMWISE_TRY(const auto measurements, mapper.measurements(id));
+      features.push_back(mapping::keyframe_features(
+          measurements->features(), cameras.at(recording_of[id]), settings.refinement.landmarks));
+    }
+    return features;
+  };
 }
 
 // Whether a key-frame of the walk lies in one component with one of an earlier walk. The first walk
@@ -195,9 +199,7 @@ Expected<void> solve(home::Home& home, const MapSettings& settings, mapping::Map
                      home::RecordingId walk, RunContext& run, MapSummary& summary) {
   const auto timing = run.clock.measure("optimisation");
   return home.atomically([&]() -> Expected<void> {
-    const auto features = [&](std::span<const home::KeyframeId> ids) {
-      return landmark_features(home, mapper, settings, ids);
-    };
+    ROOMWISE_TRY(const mapping::FindFeatures features, landmark_features(home, mapper, settings));
     ROOMWISE_TRY(const SolvedMap solved, solve_stored_map(home, settings, features, run.progress));
     if (solved.refinement) {
       summary.landmarks = solved.refinement->landmarks;

@@ -141,26 +141,29 @@ TEST_F(MapRecording, AdjustsTheBundleUnlessToldNotTo) {
 }
 
 TEST_F(MapRecording, OptimisingAgainFindsTheSameMap) {
-  SyntheticWalk walk(kFrames);
-  ASSERT_OK(map(folder_ / "a.home", walk, 2));
-  const std::string before = digest(folder_ / "a.home");
-  {
-    home::Home home = *home::Home::open(folder_ / "a.home");
-    const auto poses = home.keyframes().value();
-    std::map<home::KeyframeId, home::KeyframePose> away;
-    for (const home::Keyframe& keyframe : poses) away[keyframe.id] = {{}, keyframe.pose.component};
-    ASSERT_OK(home.replace_poses(away));
-    ThreadPool pool(3);
-    StageClock clock;
-    RunContext run{pool, silent_, clock};
-    ASSERT_OK(solve_stored_map(
-        home, settings_,
-        [&](std::span<const home::KeyframeId> ids) {
-          return stored_keyframe_features(home, ids, settings_, run);
-        },
-        silent_));
+  for (const std::size_t max_keyframes : {1000, 6}) {  // at once, and in windows of two
+    settings_.refinement.max_keyframes = max_keyframes;
+    SyntheticWalk walk(kFrames);
+    const auto file = folder_ / fmt::format("{}.home", max_keyframes);
+    ASSERT_OK(map(file, walk, 2));
+    const std::string before = digest(file);
+    {
+      home::Home home = *home::Home::open(file);
+      const auto poses = home.keyframes().value();
+      EXPECT_GT(poses.size(), 6U);
+      std::map<home::KeyframeId, home::KeyframePose> away;
+      for (const home::Keyframe& keyframe : poses)
+        away[keyframe.id] = {{}, keyframe.pose.component};
+      ASSERT_OK(home.replace_poses(away));
+      ThreadPool pool(3);
+      StageClock clock;
+      RunContext run{pool, silent_, clock};
+      const auto features = stored_keyframe_features(home, settings_, run);
+      ASSERT_OK(features);
+      ASSERT_OK(solve_stored_map(home, settings_, *features, silent_));
+    }
+    EXPECT_EQ(digest(file), before) << "from features found again in stored images";
   }
-  EXPECT_EQ(digest(folder_ / "a.home"), before) << "from features found again in stored images";
 }
 
 // Stops as a user does, after so many frames.
@@ -401,12 +404,9 @@ TEST_F(MapRecording, InterruptedWhileLandmarksAreAdjustedMovesNothing) {
   ThreadPool pool(2);
   StageClock clock;
   RunContext run{pool, again, clock};
-  const auto solved = solve_stored_map(
-      home, settings_,
-      [&](std::span<const home::KeyframeId> ids) {
-        return stored_keyframe_features(home, ids, settings_, run);
-      },
-      again);
+  const auto features = stored_keyframe_features(home, settings_, run);
+  ASSERT_OK(features);
+  const auto solved = solve_stored_map(home, settings_, *features, again);
   ASSERT_FALSE(solved.has_value());
   EXPECT_EQ(solved.error().code, ErrorCode::kInterrupted);
   EXPECT_EQ(digest(folder_ / "resumed.home"), digest(folder_ / "whole.home"));

@@ -1,5 +1,6 @@
 #include "roomwise/pipeline/stored/stored_keyframes.h"
 
+#include <memory>
 #include <utility>
 
 #include "roomwise/image/resample.h"
@@ -37,30 +38,36 @@ Expected<std::vector<mapping::Keyframe>> measure_keyframes(
   return measured;
 }
 
-Expected<std::vector<mapping::KeyframeFeatures>> stored_keyframe_features(
-    const home::Home& home, std::span<const home::KeyframeId> ids, const MapSettings& settings,
-    RunContext& run) {
-  ROOMWISE_TRY(const auto stored, home.keyframes());
-  std::vector<home::Keyframe> keyframes;
-  for (const home::KeyframeId id : ids) keyframes.push_back(stored[id]);
-  ROOMWISE_TRY(const auto cameras, recording_cameras(home));
-  const auto extractor = features::make_extractor(settings.features, settings.max_keypoints);
-  std::vector<mapping::KeyframeFeatures> found;
-  const auto measure = [&](const home::Keyframe& keyframe, const DecodedImages& images) {
-    const geometry::PinholeCamera& camera = cameras.at(keyframe.recording);
-    return mapping::keyframe_features(
-        motion::measure_features(extractor->extract(image::to_gray(images.color)), images.depth,
-                                 camera, settings.depth),
-        camera, settings.refinement.landmarks);
+Expected<mapping::FindFeatures> stored_keyframe_features(const home::Home& home,
+                                                         const MapSettings& settings,
+                                                         RunContext& run) {
+  ROOMWISE_TRY(auto stored, home.keyframes());
+  ROOMWISE_TRY(auto cameras, recording_cameras(home));
+  // Shared: what std::function holds must be copyable.
+  const std::shared_ptr<const features::FeatureExtractor> extractor =
+      features::make_extractor(settings.features, settings.max_keypoints);
+  return [&home, &settings, &run, stored = std::move(stored), cameras = std::move(cameras),
+          extractor](std::span<const home::KeyframeId> ids)
+             -> Expected<std::vector<mapping::KeyframeFeatures>> {
+    std::vector<home::Keyframe> keyframes;
+    for (const home::KeyframeId id : ids) keyframes.push_back(stored[id]);
+    const auto measure = [&](const home::Keyframe& keyframe, const DecodedImages& images) {
+      const geometry::PinholeCamera& camera = cameras.at(keyframe.recording);
+      return mapping::keyframe_features(
+          motion::measure_features(extractor->extract(image::to_gray(images.color)), images.depth,
+                                   camera, settings.depth),
+          camera, settings.refinement.landmarks);
+    };
+    std::vector<mapping::KeyframeFeatures> found;
+    const auto keep = [&](const home::Keyframe&,
+                          mapping::KeyframeFeatures features) -> Expected<void> {
+      found.push_back(std::move(features));
+      return {};
+    };
+    ROOMWISE_CHECK_OK(
+        for_each_keyframe(home, keyframes, "finding features again", run, measure, keep));
+    return found;
   };
-  const auto keep = [&](const home::Keyframe&,
-                        mapping::KeyframeFeatures features) -> Expected<void> {
-    found.push_back(std::move(features));
-    return {};
-  };
-  ROOMWISE_CHECK_OK(
-      for_each_keyframe(home, keyframes, "finding features again", run, measure, keep));
-  return found;
 }
 
 }  // namespace roomwise::pipeline

@@ -6,7 +6,7 @@
 
 #include "roomwise/features/feature_extractor.h"
 #include "roomwise/home/home.h"
-#include "roomwise/mapping/bundle/landmarks.h"
+#include "roomwise/mapping/backend/map_refinement.h"
 #include "roomwise/mapping/frontend/keyframe.h"
 #include "roomwise/pipeline/run_context.h"
 #include "roomwise/pipeline/stored/map_settings.h"
@@ -28,9 +28,10 @@ using TakeKeyframe = std::function<Expected<void>(mapping::Keyframe)>;
     const home::Home& home, std::span<const home::Keyframe> keyframes,
     const features::FeatureExtractor& extractor, const MapSettings& settings, RunContext& run);
 
-// What landmarks are found by, found again in these key-frames as they are stored.
-[[nodiscard]] Expected<std::vector<mapping::KeyframeFeatures>> stored_keyframe_features(
-    const home::Home& home, std::span<const home::KeyframeId> ids, const MapSettings& settings,
-    RunContext& run);
+// Finds what landmarks are found by again in key-frames as they are stored. Which there are is read
+// once, however often it is asked for some of them; home, settings and run outlive it.
+[[nodiscard]] Expected<mapping::FindFeatures> stored_keyframe_features(const home::Home& home,
+                                                                       const MapSettings& settings,
+                                                                       RunContext& run);
 
 }  // namespace roomwise::pipeline
