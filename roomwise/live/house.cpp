@@ -28,6 +28,8 @@ constexpr int kFullDoors_s = 30;
 // many a second. One peer alone cannot use up what all have.
 constexpr double kProofsOfPeer = 4, kProofsOfPeer_s = 0.125;
 constexpr double kProofsOfAll = 16, kProofsOfAll_s = 0.5;
+// And so many of the threads that answer all requests may be busy with them.
+constexpr int kProofPlaces = 2;
 
 HttpAnswer later(std::string_view what, int seconds) {
   HttpAnswer answer = error_answer(503, what);
@@ -232,6 +234,7 @@ House::House(fs::path folder, const objects::ObjectFinders& finders, HouseOption
     : folder_(std::move(folder)),
       finders_(finders),
       options_(std::move(options)),
+      proof_places_(kProofPlaces),
       proofs_of_peer_(kProofsOfPeer, kProofsOfPeer_s),
       proofs_of_all_(kProofsOfAll, kProofsOfAll_s) {
   std::vector<service::Route> front = options_.front;
@@ -412,20 +415,23 @@ std::shared_ptr<service::PairingDoor> House::door_of(const std::string& name, bo
   service::PairingDoorOptions options;
   options.fingerprint = options_.fingerprint;
   options.is_secret = true;
-  options.proof_wait_s = [this](const std::string& peer, const service::Now& at) {
-    return proof_wait_s(peer, at);
+  options.proof_place = [this](const std::string& peer, const service::Now& at) {
+    return proof_place(peer, at);
   };
   auto door = std::make_shared<service::PairingDoor>(std::move(options));
   doors_.emplace(name, KeptDoor{door, now.steady_s});
   return door;
 }
 
-double House::proof_wait_s(const std::string& peer, const service::Now& now) {
+tl::expected<service::ProofPlaces::Place, double> House::proof_place(const std::string& peer,
+                                                                     const service::Now& now) {
+  service::ProofPlaces::Place place = proof_places_.take();
+  if (!place) return tl::unexpected(1.0);
   const std::scoped_lock lock(doors_mutex_);
-  if (!proofs_of_peer_.take(peer, now.steady_s)) return 1 / kProofsOfPeer_s;
-  if (proofs_of_all_.take("", now.steady_s)) return 0;
+  if (!proofs_of_peer_.take(peer, now.steady_s)) return tl::unexpected(1 / kProofsOfPeer_s);
+  if (proofs_of_all_.take("", now.steady_s)) return place;
   proofs_of_peer_.give_back(peer);
-  return 1 / kProofsOfAll_s;
+  return tl::unexpected(1 / kProofsOfAll_s);
 }
 
 bool House::looks_elsewhere(const std::string& name) const {

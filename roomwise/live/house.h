@@ -111,8 +111,9 @@ class House final : public service::HomesAtPort {
   // is not known to be there, and too many are kept already at which somebody has to wait.
   [[nodiscard]] std::shared_ptr<service::PairingDoor> door_of(const std::string& name,
                                                               bool is_there);
-  // How long until a proof of digits by that peer may be checked, s.
-  [[nodiscard]] double proof_wait_s(const std::string& peer, const service::Now& now);
+  // A place for a proof of digits by that peer; how long until there may be one, s.
+  [[nodiscard]] tl::expected<service::ProofPlaces::Place, double> proof_place(
+      const std::string& peer, const service::Now& now);
   [[nodiscard]] tl::expected<service::Pairing, service::PairingRefusal> redeem(
       const std::string& name, const service::PairingAttempt& attempt);
   // Whether another process seems to have it. Touches nothing, and takes as long for any name.
@@ -138,6 +139,7 @@ class House final : public service::HomesAtPort {
   };
   std::mutex doors_mutex_;  // after mutex_
   std::map<std::string, KeptDoor> doors_;
+  service::ProofPlaces proof_places_;
   service::RateLimit proofs_of_peer_;
   service::RateLimit proofs_of_all_;
 

@@ -5,6 +5,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "roomwise/service/rate_limit.h"
+
 namespace roomwise::service {
 namespace {
 
@@ -46,7 +48,7 @@ HttpAnswer answer_pair(const RedeemCode& redeem, const HttpRequest& request) {
   attempt.proves_secret = !secret_proof.empty();
   attempt.proof = attempt.proves_secret ? secret_proof : text_member(*json, "proof").value_or("");
   attempt.name = text_member(*json, "name").value_or("");
-  attempt.peer = request.peer;
+  attempt.peer = peer_key(request.peer);
   auto pairing = redeem(request, attempt);
   if (!pairing) return refusal_answer(pairing.error());
   Json answer = {{"role", to_string(pairing->who.role)}, {"device", pairing->who.device}};

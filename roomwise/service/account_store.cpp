@@ -203,11 +203,12 @@ tl::expected<StaffSession, SignInRefusal> AccountStore::sign_in(const std::strin
                                                                 const std::string& password,
                                                                 const std::string& peer,
                                                                 const Now& now) {
-  if (const std::int64_t wait_s = begin_try(peer, now.steady_s); wait_s > 0) {
+  const std::string counted = peer_key(peer);
+  if (const std::int64_t wait_s = begin_try(counted, now.steady_s); wait_s > 0) {
     return tl::unexpected(
         SignInRefusal{429, fmt::format("too many passwords are tried; wait {} s", wait_s), wait_s});
   }
-  auto session = try_password(name, password, peer, now);
+  auto session = try_password(name, password, counted, now);
   end_try();
   return session;
 }

@@ -195,6 +195,17 @@ TEST(AccountStoreAloneTest, WhereTwoWaitToBeHeardOneMoreIsSentAway) {
   EXPECT_EQ(wrong, 3);
 }
 
+TEST_P(AccountStoreTest, TheAddressesOfAnIpv6NetworkGuessPasswordsTogether) {
+  ASSERT_OK(store_->add("anna", kAnnasPassword));
+  for (int i = 0; i < 3; ++i) {
+    const std::string peer = fmt::format("2001:db8::{}", i + 1);
+    EXPECT_EQ(store_->sign_in("anna", "wrong password", peer, kNow).error().status, 401);
+  }
+  const auto waits = store_->sign_in("anna", kAnnasPassword, "2001:db8::9", kNow);
+  EXPECT_EQ(waits.error().status, 429);
+  EXPECT_TRUE(store_->sign_in("anna", kAnnasPassword, "2001:db8:0:1::9", kNow));
+}
+
 TEST_P(AccountStoreTest, PostgresqlIsGivenNoTextWithAZero) {
   if (!is_postgresql()) GTEST_SKIP() << "SQLite keeps it";
   const auto link = open_postgresql_link(postgresql_->address());

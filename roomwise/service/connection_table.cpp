@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <utility>
 
+#include "roomwise/service/rate_limit.h"
+
 namespace roomwise::service {
 
 ConnectionTable::Verdict ConnectionTable::ask(const std::string& peer) {
+  const std::string key = peer_key(peer);
   const std::scoped_lock lock(mutex_);
   const auto unknown = [](const Entry& entry) { return !entry.device; };
   const auto unknown_there = [&](const Entry& entry) {
-    return unknown(entry) && entry.peer == peer;
+    return unknown(entry) && entry.peer == key;
   };
   if (!proxies_.contains(peer) && count(unknown_there) >= limits_.unknown_per_peer) {
     return make_room(unknown_there);
@@ -27,9 +30,9 @@ ConnectionTable::Verdict ConnectionTable::make_room(const Choice& chosen) {
   return {"", oldest->second.connection.lock()};
 }
 
-ConnectionTable::Number ConnectionTable::add(std::string peer) {
+ConnectionTable::Number ConnectionTable::add(const std::string& peer) {
   const std::scoped_lock lock(mutex_);
-  entries_[next_].peer = std::move(peer);
+  entries_[next_].peer = peer_key(peer);
   return next_++;
 }
 

@@ -64,7 +64,7 @@ class ConnectionTable {
   };
   [[nodiscard]] Verdict ask(const std::string& peer);
 
-  Number add(std::string peer);
+  Number add(const std::string& peer);
   void set(Number number, std::weak_ptr<Connection> connection);
   void remove(Number number);
 
@@ -89,7 +89,7 @@ class ConnectionTable {
 
  private:
   struct Entry {
-    std::string peer;
+    std::string peer;  // see peer_key
     std::weak_ptr<Connection> connection;
     std::optional<DeviceOfHome> device;
     Role role = Role::kDevice;  // of the device

@@ -46,6 +46,19 @@ TEST(ConnectionTableTest, AnAddressesNewestConnectionsWithoutATokenStay) {
   EXPECT_EQ(verdict.cut, connections[1]) << "the oldest without a token";
 }
 
+TEST(ConnectionTableTest, TheAddressesOfAnIpv6NetworkShareTheirPlacesButAProxyIsOne) {
+  ConnectionTable table(ConnectionLimits{}, {"2001:db8:1:2::99"});
+  std::vector<std::shared_ptr<IdleConnection>> connections;
+  for (int i = 0; i < 8; ++i) {
+    const auto number = table.add("2001:db8:1:2::" + std::to_string(i + 1));
+    connections.push_back(std::make_shared<IdleConnection>());
+    table.set(number, connections.back());
+  }
+  EXPECT_EQ(table.ask("2001:db8:1:2::99").cut, nullptr);
+  EXPECT_EQ(table.ask("2001:db8:1:3::9").cut, nullptr);
+  EXPECT_EQ(table.ask("2001:db8:1:2::9").cut, connections[0]);
+}
+
 TEST(ConnectionTableTest, EachSocketIsKnownWithTheRoleInWhichItWasOpened) {
   ConnectionTable table(ConnectionLimits{});
   const DeviceOfHome anna{"flat-1", -1};

@@ -152,7 +152,7 @@ class HttpConnection final : public Connection,
     }
     // Finding it takes a worker, files and perhaps a database: not for whoever asks too often. Who
     // turns out to be known is counted as a device alone.
-    if (!core_.peer_rate.take(peer_, core_.now().steady_s)) {
+    if (!core_.peer_rate.take(peer_key(peer_), core_.now().steady_s)) {
       return answer_at_once(refused_too_many());
     }
     took_of_peer_ = true;
@@ -193,7 +193,7 @@ class HttpConnection final : public Connection,
     const Now now = core_.now();
     const bool device = request_.who.has_value();
     const bool took_of_peer = std::exchange(took_of_peer_, false);
-    if (device && took_of_peer) core_.peer_rate.give_back(peer_);
+    if (device && took_of_peer) core_.peer_rate.give_back(peer_key(peer_));
     if (!device && took_of_peer) return std::nullopt;
     if (device && !core_.table.identify(entry_->number(), {home_->name(), request_.who->device},
                                         request_.who->role)) {
@@ -202,7 +202,7 @@ class HttpConnection final : public Connection,
     }
     if (device ? core_.device_rate.take(fmt::format("{} {}", home_->name(), request_.who->device),
                                         now.steady_s)
-               : core_.peer_rate.take(peer_, now.steady_s)) {
+               : core_.peer_rate.take(peer_key(peer_), now.steady_s)) {
       return std::nullopt;
     }
     return refused_too_many();

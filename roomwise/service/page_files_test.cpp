@@ -96,6 +96,18 @@ TEST(RateLimitTest, HoldsSoManyKeys) {
   EXPECT_TRUE(limit.take("one more", 10));
 }
 
+// A computer may have any address of its network of IPv6.
+TEST(RateLimitTest, AnIpv6NetworkCountsAsOneAddress) {
+  EXPECT_EQ(peer_key("2001:db8:1:2::7"), "2001:db8:1:2::/64");
+  EXPECT_EQ(peer_key("2001:DB8:1:2:ffff:eeee:dddd:1"), "2001:db8:1:2::/64");
+  EXPECT_EQ(peer_key("fe80::1%eth0"), "fe80::/64");
+  EXPECT_EQ(peer_key("2001:db8:1:3::7"), "2001:db8:1:3::/64");
+  EXPECT_EQ(peer_key("10.0.0.7"), "10.0.0.7");
+  EXPECT_EQ(peer_key("::ffff:10.0.0.7"), "10.0.0.7");
+  EXPECT_EQ(peer_key("2001:db8:1:2::/64"), "2001:db8:1:2::/64");
+  EXPECT_EQ(peer_key("nobody"), "nobody");
+}
+
 TEST(HttpTextTest, IsDecoded) {
   EXPECT_EQ(percent_decoded("a%20b%C3%A4"), "a bä");
   EXPECT_FALSE(percent_decoded("%"));

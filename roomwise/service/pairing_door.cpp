@@ -16,6 +16,11 @@ PairingRefusal refusal_to_wait(double seconds) {
           wait_s};
 }
 
+PairingRefusal refusal_of_proof(double seconds) {
+  const auto wait_s = static_cast<std::int64_t>(std::ceil(seconds));
+  return {429, fmt::format("too many proofs at once; try again in {} s", wait_s), wait_s};
+}
+
 tl::unexpected<PairingRefusal> refuse(int status, std::string message) {
   return tl::unexpected(PairingRefusal{status, std::move(message), 0});
 }
@@ -29,6 +34,13 @@ bool is_code(std::string_view code) {
 bool is_device_name(std::string_view name) {
   return !name.empty() && name.size() <= 64 &&
          std::ranges::all_of(name, [](unsigned char c) { return c >= 0x20 && c != 0x7F; });
+}
+
+ProofPlaces::Place ProofPlaces::take() {
+  int left = left_->load();
+  while (left > 0 && !left_->compare_exchange_weak(left, left - 1)) continue;
+  if (left <= 0) return nullptr;
+  return {left_.get(), [kept = left_](void*) { ++*kept; }};
 }
 
 // The code that was meant, and the computer's own proof of it.
@@ -93,6 +105,39 @@ Expected<PairingDoor::Judged> PairingDoor::judge(std::vector<Code> codes,
   return judged;
 }
 
+tl::expected<PairingDoor::Judged, PairingRefusal> PairingDoor::judge_digits(
+    std::vector<Code> codes, const PairingAttempt& attempt, const Now& now) {
+  ProofPlaces::Place place;  // until it is judged
+  if (!attempt.proof.empty()) {
+    auto given = place_for(attempt.peer, now);
+    if (!given) return tl::unexpected(refusal_of_proof(given.error()));
+    place = *std::move(given);
+  }
+  Expected<Judged> judged = judge(std::move(codes), attempt);
+  if (!judged) return refuse(400, judged.error().message);
+  return *std::move(judged);
+}
+
+tl::expected<ProofPlaces::Place, double> PairingDoor::place_for(const std::string& peer,
+                                                                const Now& now) {
+  if (options_.proof_place) return options_.proof_place(peer, now);
+  if (ProofPlaces::Place place = places_.take()) return place;
+  return tl::unexpected(1.0);
+}
+
+tl::expected<Pairing, PairingRefusal> PairingDoor::let_in(const PairingAttempt& attempt, Code code,
+                                                          std::string proof, const Now& now,
+                                                          const Add& add) {
+  Expected<Pairing> pairing = add(code.role, attempt.name);
+  if (!pairing) {
+    const std::scoped_lock lock(guard_mutex_);
+    guard_.put_back(std::move(code), now.steady_s);
+    return refuse(500, pairing.error().message);
+  }
+  pairing->proof = std::move(proof);
+  return *std::move(pairing);
+}
+
 tl::expected<Pairing, PairingRefusal> PairingDoor::redeem_secret(const PairingAttempt& attempt,
                                                                  const Now& now, const Add& add) {
   std::vector<Code> codes;
@@ -100,15 +145,37 @@ tl::expected<Pairing, PairingRefusal> PairingDoor::redeem_secret(const PairingAt
     const std::scoped_lock lock(guard_mutex_);
     codes = guard_.codes(now.steady_s);
   }
-  const Expected<Judged> judged = judge(std::move(codes), attempt);
+  Expected<Judged> judged = judge(std::move(codes), attempt);
   if (!judged) return refuse(400, judged.error().message);
-  if (!judged->known) return refuse(401, "the link is no longer valid; ask for a new one");
-  Expected<Pairing> pairing = add(judged->known->role, attempt.name);
-  if (!pairing) return refuse(500, pairing.error().message);
-  const std::scoped_lock lock(guard_mutex_);
-  guard_.redeemed(judged->known->secret);
-  pairing->proof = judged->proof;
-  return *std::move(pairing);
+  std::optional<Code> code;
+  if (judged->known) {
+    const std::scoped_lock lock(guard_mutex_);
+    code = guard_.take(judged->known->secret, now.steady_s);
+  }
+  if (!code) return refuse(401, "the link is no longer valid; ask for a new one");
+  return let_in(attempt, *std::move(code), std::move(judged->proof), now, add);
+}
+
+double PairingDoor::wait_s(const std::string& peer, const Now& now) const {
+  return options_.is_secret ? guard_.own_wait_s(peer, now.steady_s)
+                            : guard_.wait_s(peer, now.steady_s);
+}
+
+tl::expected<PairingDoor::Code, PairingRefusal> PairingDoor::count_digits(
+    const PairingAttempt& attempt, const Judged& judged, const Now& now) {
+  if (const double wait = wait_s(attempt.peer, now); wait > 0) {
+    return tl::unexpected(refusal_to_wait(wait));
+  }
+  std::optional<Code> code;
+  if (judged.known && guard_.wait_s(now.steady_s) == 0) {
+    code = guard_.take(judged.known->secret, now.steady_s);
+  }
+  if (!code) {
+    guard_.wrong(attempt.peer, now.steady_s);
+    return refuse(401, "the code is wrong or no longer valid; ask for a new one");
+  }
+  guard_.right(attempt.peer, code->digits);
+  return *std::move(code);
 }
 
 tl::expected<Pairing, PairingRefusal> PairingDoor::redeem_digits(const PairingAttempt& attempt,
@@ -119,30 +186,21 @@ tl::expected<Pairing, PairingRefusal> PairingDoor::redeem_digits(const PairingAt
   std::vector<Code> codes;
   {
     const std::scoped_lock lock(guard_mutex_);
-    const double wait_s = options_.is_secret ? guard_.own_wait_s(attempt.peer, now.steady_s)
-                                             : guard_.wait_s(attempt.peer, now.steady_s);
-    if (wait_s > 0) return tl::unexpected(refusal_to_wait(wait_s));
+    if (const double wait = wait_s(attempt.peer, now); wait > 0) {
+      return tl::unexpected(refusal_to_wait(wait));
+    }
     if (guard_.wait_s(now.steady_s) == 0) codes = guard_.codes(now.steady_s);
   }
   std::erase_if(codes, [](const Code& code) { return code.digits.empty(); });
-  if (!attempt.proof.empty() && options_.proof_wait_s) {
-    if (const double wait_s = options_.proof_wait_s(attempt.peer, now); wait_s > 0) {
-      return tl::unexpected(refusal_to_wait(wait_s));
-    }
-  }
-  const Expected<Judged> judged = judge(std::move(codes), attempt);
-  if (!judged) return refuse(400, judged.error().message);
-  if (!judged->known) {
+  auto judged = judge_digits(std::move(codes), attempt, now);
+  if (!judged) return tl::unexpected(std::move(judged).error());
+  tl::expected<Code, PairingRefusal> code;
+  {
     const std::scoped_lock lock(guard_mutex_);
-    guard_.wrong(attempt.peer, now.steady_s);
-    return refuse(401, "the code is wrong or no longer valid; ask for a new one");
+    code = count_digits(attempt, *judged, now);
   }
-  Expected<Pairing> pairing = add(judged->known->role, attempt.name);
-  if (!pairing) return refuse(500, pairing.error().message);
-  const std::scoped_lock lock(guard_mutex_);
-  guard_.right(attempt.peer, judged->known->digits);
-  pairing->proof = judged->proof;
-  return *std::move(pairing);
+  if (!code) return tl::unexpected(std::move(code).error());
+  return let_in(attempt, *std::move(code), std::move(judged->proof), now, add);
 }
 
 tl::expected<Pairing, PairingRefusal> PairingDoor::redeem(const PairingAttempt& attempt,
@@ -150,7 +208,6 @@ tl::expected<Pairing, PairingRefusal> PairingDoor::redeem(const PairingAttempt& 
   if (!is_device_name(attempt.name)) {
     return refuse(400, "'name' must have 1 to 64 bytes, without control characters");
   }
-  const std::scoped_lock one_by_one(attempt_mutex_);
   const bool by_secret = attempt.proves_secret || !attempt.secret.empty();
   return by_secret ? redeem_secret(attempt, now, add) : redeem_digits(attempt, now, add);
 }

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 
@@ -19,7 +21,7 @@ struct PairingAttempt {
   std::string proof = {};      // hexadecimal; see pairing_proof.h
   bool proves_secret = false;  // and not the digits
   std::string name = {};       // that the device gives itself: "Anna's phone"
-  std::string peer = {};       // address that it comes from
+  std::string peer = {};       // that it comes from; see peer_key
 };
 
 // A code as it is shown: digits to be typed, or a link to be opened.
@@ -44,6 +46,19 @@ struct PairingRefusal {
 // A name that can be spoken, shown and logged on one line.
 [[nodiscard]] bool is_device_name(std::string_view name);
 
+// How many proofs of digits are worked out at once: each takes a processor for half a second, and
+// whoever finds no place is told so and does not wait for one with a thread. Thread-safe.
+class ProofPlaces {
+ public:
+  using Place = std::shared_ptr<void>;  // given back when it goes
+  explicit ProofPlaces(int places) : left_(std::make_shared<std::atomic<int>>(places)) {}
+  // Nullptr where all are taken.
+  [[nodiscard]] Place take();
+
+ private:
+  std::shared_ptr<std::atomic<int>> left_;
+};
+
 struct PairingDoorOptions {
   // Of the computer's certificate, which proofs are bound to.
   std::string fingerprint;
@@ -51,12 +66,18 @@ struct PairingDoorOptions {
   // wrong attempt gets the same answer after the same work as at a door without codes. So those are
   // told nothing who have to wait for what others guessed: their digits are wrong.
   bool is_secret = false;
-  // How long until a proof of digits by that peer may be checked, s, which takes half a
-  // second where is_secret; 0: now. Empty: always.
-  std::function<double(const std::string& peer, const Now&)> proof_wait_s = {};
+  // A place for a proof of digits by that peer, held while it is worked out, or how long until
+  // there may be one, s. Empty: the door has one place.
+  std::function<tl::expected<ProofPlaces::Place, double>(const std::string& peer, const Now&)>
+      proof_place = {};
 };
 
 // Where a home's codes are open and attempts at them are judged. Thread-safe. Times are passed in.
+//
+// Attempts are judged side by side, since a proof takes a while in which nobody else should wait.
+// What comes of one is said only once it was counted, one after the other: where its peer has to
+// wait by then, or its code is gone, it was not heard. So many at once learn no more than as many
+// in turn.
 class PairingDoor {
  public:
   explicit PairingDoor(PairingDoorOptions options) : options_(std::move(options)) {}
@@ -84,12 +105,26 @@ class PairingDoor {
                                                                     const Now& now, const Add& add);
   [[nodiscard]] Expected<Judged> judge(std::vector<Code> codes,
                                        const PairingAttempt& attempt) const;
+  // The same, with a place for what takes a while.
+  [[nodiscard]] tl::expected<Judged, PairingRefusal> judge_digits(std::vector<Code> codes,
+                                                                  const PairingAttempt& attempt,
+                                                                  const Now& now);
+  [[nodiscard]] tl::expected<ProofPlaces::Place, double> place_for(const std::string& peer,
+                                                                   const Now& now);
+  // How long that peer's digits are not heard, s. With guard_mutex_ held, as the next.
+  [[nodiscard]] double wait_s(const std::string& peer, const Now& now) const;
+  // Counts what came of an attempt at digits: the code that is redeemed by it.
+  [[nodiscard]] tl::expected<Code, PairingRefusal> count_digits(const PairingAttempt& attempt,
+                                                                const Judged& judged,
+                                                                const Now& now);
+  // Lets them in who know the code that was taken for them.
+  [[nodiscard]] tl::expected<Pairing, PairingRefusal> let_in(const PairingAttempt& attempt,
+                                                             Code code, std::string proof,
+                                                             const Now& now, const Add& add);
 
   const PairingDoorOptions options_;
-  // Attempts are judged one after the other, or those that come at once would all be heard before
-  // one of them counts. Proofs take a while, in which others that ask about codes must not wait.
-  std::mutex attempt_mutex_;  // before the other
-  std::mutex guard_mutex_;
+  ProofPlaces places_{1};
+  std::mutex guard_mutex_;  // held for as long as nothing is worked out
   PairingGuard guard_;
 };
 

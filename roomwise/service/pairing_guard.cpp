@@ -67,8 +67,19 @@ void PairingGuard::right(const std::string& peer, std::string_view digits) {
   all_ = {};
 }
 
-void PairingGuard::redeemed(std::string_view secret) {
-  std::erase_if(codes_, [&](const Code& code) { return code.secret == secret; });
+std::optional<PairingGuard::Code> PairingGuard::take(std::string_view secret, double now_s) {
+  codes_ = codes(now_s);
+  const auto found = std::ranges::find(codes_, secret, &Code::secret);
+  if (found == codes_.end()) return std::nullopt;
+  Code code = std::move(*found);
+  codes_.erase(found);
+  return code;
+}
+
+void PairingGuard::put_back(Code code, double now_s) {
+  if (codes(now_s).size() >= kMaxCodes) return;
+  if (wait_s(now_s) > 0) code.digits.clear();
+  codes_.insert(codes_.begin(), std::move(code));
 }
 
 void PairingGuard::wrong(const std::string& peer, double now_s) {

@@ -51,8 +51,10 @@ class PairingGuard {
   [[nodiscard]] std::vector<Code> codes(double now_s);
   // What came of a guess.
   void right(const std::string& peer, std::string_view digits);
-  // That a code was redeemed by its secret.
-  void redeemed(std::string_view secret);
+  // Takes a code away, which is known by its secret; nothing where it is no longer open.
+  [[nodiscard]] std::optional<Code> take(std::string_view secret, double now_s);
+  // Opens again what was taken, where there is room.
+  void put_back(Code code, double now_s);
   // While nobody is heard it counts against its peer alone.
   void wrong(const std::string& peer, double now_s);
 

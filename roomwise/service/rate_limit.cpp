@@ -1,10 +1,30 @@
 #include "roomwise/service/rate_limit.h"
 
+#include <arpa/inet.h>
+
 #include <algorithm>
+#include <array>
 
 namespace roomwise::service {
 namespace {
 constexpr std::size_t kMaxKeys = 4096;
+
+std::string address_text(int family, const unsigned char* bytes) {
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  return ::inet_ntop(family, bytes, text.data(), text.size());
+}
+}  // namespace
+
+std::string peer_key(std::string_view address) {
+  // Behind '%' stands by which of this computer's networks it came.
+  const std::string plain(address.substr(0, address.find('%')));
+  in6_addr parsed{};
+  if (::inet_pton(AF_INET6, plain.c_str(), &parsed) != 1) return std::string(address);
+  std::array<unsigned char, 16> bytes{};
+  std::copy_n(parsed.s6_addr, bytes.size(), bytes.begin());
+  if (IN6_IS_ADDR_V4MAPPED(&parsed)) return address_text(AF_INET, bytes.data() + 12);
+  std::fill(bytes.begin() + 8, bytes.end(), static_cast<unsigned char>(0));
+  return address_text(AF_INET6, bytes.data()) + "/64";
 }
 
 double RateLimit::left(const Bucket& bucket, double now_s) const {

@@ -3,8 +3,14 @@
 #include <cstddef>
 #include <map>
 #include <string>
+#include <string_view>
 
 namespace roomwise::service {
+
+// Whose limits hold for what comes from that address: its own, but of IPv6 those of its network of
+// 64 bits, out of which one computer may take as many addresses as it likes. "2001:db8:1:2::7"
+// counts as "2001:db8:1:2::/64"; what is no address, as itself.
+[[nodiscard]] std::string peer_key(std::string_view address);
 
 // Token buckets: each key may do `burst` things at once and then `rate` a second. Holds a bounded
 // number of keys. Not thread-safe.
