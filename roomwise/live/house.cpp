@@ -20,10 +20,6 @@ namespace {
 constexpr std::string_view kHomes = "/homes/";
 constexpr std::string_view kPair = "/api/pair";
 
-// Where codes are asked for; more are kept while somebody has to wait at each, up to which nobody
-// is heard at a new one.
-constexpr std::size_t kMaxDoors = 256;
-constexpr int kFullDoors_s = 30;
 // Proofs of digits, of which one takes half a second of a processor: so many at once, and so
 // many a second. One peer alone cannot use up what all have.
 constexpr double kProofsOfPeer = 4, kProofsOfPeer_s = 0.125;
@@ -253,6 +249,7 @@ House::House(fs::path folder, const objects::ObjectFinders& finders, HouseOption
         return redeem(request.base.substr(kHomes.size()), attempt);
       })};
   pairing_ = std::make_shared<Open>(std::move(pairing));
+  nobodys_door_ = new_door();
 }
 
 House::~House() {
@@ -366,7 +363,7 @@ Expected<std::shared_ptr<House::Resident>> House::find(const std::string& name) 
   }
   moving_.insert(name);
   lock.unlock();
-  const auto door = door_of(name, /*is_there=*/true);
+  const auto door = door_of(name);
   auto access = service::AccessRegister::open(service::access_folder(file_of(name)), door);
   std::shared_ptr<Resident> resident;
   std::error_code ignored;
@@ -396,31 +393,27 @@ Expected<service::OpenCode> House::make_code(const std::string& name, service::R
 
 // ---- who asks to be paired ----
 
-std::shared_ptr<service::PairingDoor> House::door_of(const std::string& name, bool is_there) {
-  const service::Now now = options_.clock();
-  const std::scoped_lock lock(doors_mutex_);
-  if (const auto found = doors_.find(name); found != doors_.end()) {
-    found->second.used_s = now.steady_s;
-    return found->second.door;
-  }
-  if (doors_.size() >= kMaxDoors && !is_there) {
-    auto oldest = doors_.end();
-    for (auto one = doors_.begin(); one != doors_.end(); ++one) {
-      if (one->second.door.use_count() > 1 || one->second.door->awaits_pairing(now)) continue;
-      if (oldest == doors_.end() || one->second.used_s < oldest->second.used_s) oldest = one;
-    }
-    if (oldest == doors_.end()) return nullptr;
-    doors_.erase(oldest);
-  }
+std::shared_ptr<service::PairingDoor> House::new_door() {
   service::PairingDoorOptions options;
   options.fingerprint = options_.fingerprint;
-  options.is_secret = true;
+  options.guesses = guesses_;
   options.proof_place = [this](const std::string& peer, const service::Now& at) {
     return proof_place(peer, at);
   };
-  auto door = std::make_shared<service::PairingDoor>(std::move(options));
-  doors_.emplace(name, KeptDoor{door, now.steady_s});
+  return std::make_shared<service::PairingDoor>(std::move(options));
+}
+
+std::shared_ptr<service::PairingDoor> House::door_of(const std::string& name) {
+  const std::scoped_lock lock(doors_mutex_);
+  std::shared_ptr<service::PairingDoor>& door = doors_[name];
+  if (!door) door = new_door();
   return door;
+}
+
+std::shared_ptr<service::PairingDoor> House::door_for_guests(const std::string& name) const {
+  const std::scoped_lock lock(doors_mutex_);
+  const auto found = doors_.find(name);
+  return found == doors_.end() ? nobodys_door_ : found->second;
 }
 
 tl::expected<service::ProofPlaces::Place, double> House::proof_place(const std::string& peer,
@@ -445,18 +438,15 @@ bool House::looks_elsewhere(const std::string& name) const {
 tl::expected<service::Pairing, service::PairingRefusal> House::redeem(
     const std::string& name, const service::PairingAttempt& attempt) {
   const service::Now now = options_.clock();
-  const auto door = door_of(name, /*is_there=*/false);
-  if (!door) {
-    return tl::unexpected(
-        service::PairingRefusal{429, "too many wrong codes; try again soon", kFullDoors_s});
-  }
   // Only who knows a code gets as far as to the home.
   const auto add = [&](service::Role role,
                        const std::string& device) -> Expected<service::Pairing> {
     ROOMWISE_TRY(const auto resident, find(name));
     return resident->access().pair_here(role, device, now);
   };
-  return door->redeem(attempt, now, add);
+  service::PairingAttempt at_home = attempt;
+  at_home.home = name;
+  return door_for_guests(name)->redeem(at_home, now, add);
 }
 
 // ---- room ----

@@ -64,7 +64,7 @@ struct HouseOptions {
 // has a home at a time: another one answers 503, and takes it over within seconds of that one's
 // end, or when that one does not use it. Who is nobody there does not learn which homes there are,
 // also not by asking to be paired: a wrong code, a home without codes and one that is not there are
-// answered alike, after the same work (see PairingDoorOptions::is_secret). Thread-safe.
+// answered alike, after the same work (see PairingDoorOptions::guesses). Thread-safe.
 class House final : public service::HomesAtPort {
  public:
   // Fails where the folder is none. `finders` must outlive it.
@@ -107,10 +107,13 @@ class House final : public service::HomesAtPort {
   // The home with its register, which this process has from then on. ErrorCode::kRefused where
   // another one has it.
   [[nodiscard]] Expected<std::shared_ptr<Resident>> find(const std::string& name);
-  // Where codes of that name are asked for, whether there is such a home or not; nullptr where it
-  // is not known to be there, and too many are kept already at which somebody has to wait.
-  [[nodiscard]] std::shared_ptr<service::PairingDoor> door_of(const std::string& name,
-                                                              bool is_there);
+  [[nodiscard]] std::shared_ptr<service::PairingDoor> new_door();
+  // Where codes of that home, which is there, are open.
+  [[nodiscard]] std::shared_ptr<service::PairingDoor> door_of(const std::string& name);
+  // Where codes of that name are asked for, whether there is such a home or not. Names of which no
+  // code was ever made share one door; nothing that a guest sees tells them from others.
+  [[nodiscard]] std::shared_ptr<service::PairingDoor> door_for_guests(
+      const std::string& name) const;
   // A place for a proof of digits by that peer; how long until there may be one, s.
   [[nodiscard]] tl::expected<service::ProofPlaces::Place, double> proof_place(
       const std::string& peer, const service::Now& now);
@@ -133,12 +136,10 @@ class House final : public service::HomesAtPort {
   std::shared_ptr<service::ServedHome> door_;     // of a home: what everybody gets of any
   std::shared_ptr<service::ServedHome> pairing_;  // of a home: who asks to be paired
 
-  struct KeptDoor {
-    std::shared_ptr<service::PairingDoor> door;
-    double used_s = 0;
-  };
-  std::mutex doors_mutex_;  // after mutex_
-  std::map<std::string, KeptDoor> doors_;
+  const std::shared_ptr<service::PeerGuesses> guesses_ = std::make_shared<service::PeerGuesses>();
+  mutable std::mutex doors_mutex_;  // after mutex_
+  std::map<std::string, std::shared_ptr<service::PairingDoor>> doors_;  // of homes that were in use
+  std::shared_ptr<service::PairingDoor> nobodys_door_;
   service::ProofPlaces proof_places_;
   service::RateLimit proofs_of_peer_;
   service::RateLimit proofs_of_all_;

@@ -25,6 +25,10 @@ tl::unexpected<PairingRefusal> refuse(int status, std::string message) {
   return tl::unexpected(PairingRefusal{status, std::move(message), 0});
 }
 
+std::string guesser(const PairingAttempt& attempt) {
+  return fmt::format("{} {}", attempt.home, attempt.peer);
+}
+
 bool is_code(std::string_view code) {
   return code.size() == 6 && std::ranges::all_of(code, [](char c) { return c >= '0' && c <= '9'; });
 }
@@ -41,6 +45,22 @@ ProofPlaces::Place ProofPlaces::take() {
   while (left > 0 && !left_->compare_exchange_weak(left, left - 1)) continue;
   if (left <= 0) return nullptr;
   return {left_.get(), [kept = left_](void*) { ++*kept; }};
+}
+
+double PeerGuesses::wait_s(const PairingAttempt& attempt, const Now& now) {
+  const std::string key = guesser(attempt);
+  const std::scoped_lock lock(mutex_);
+  return guard_.counts(key) ? guard_.own_wait_s(key, now.steady_s) : 0;
+}
+
+void PeerGuesses::wrong(const PairingAttempt& attempt, const Now& now) {
+  const std::scoped_lock lock(mutex_);
+  guard_.wrong(guesser(attempt), now.steady_s);
+}
+
+void PeerGuesses::right(const PairingAttempt& attempt) {
+  const std::scoped_lock lock(mutex_);
+  guard_.right(guesser(attempt), "");
 }
 
 // The code that was meant, and the computer's own proof of it.
@@ -68,11 +88,6 @@ bool PairingDoor::has_codes(const Now& now) {
   return !guard_.codes(now.steady_s).empty();
 }
 
-bool PairingDoor::awaits_pairing(const Now& now) {
-  const std::scoped_lock lock(guard_mutex_);
-  return guard_.wait_s_of_any(now.steady_s) > 0 || !guard_.codes(now.steady_s).empty();
-}
-
 // All codes are compared, and where the door is secret as many as there can be, so that the time
 // tells nothing.
 Expected<PairingDoor::Judged> PairingDoor::judge(std::vector<Code> codes,
@@ -80,7 +95,7 @@ Expected<PairingDoor::Judged> PairingDoor::judge(std::vector<Code> codes,
   const bool by_secret = attempt.proves_secret || !attempt.secret.empty();
   const bool by_proof = by_secret ? attempt.proves_secret : !attempt.proof.empty();
   const std::size_t open = codes.size();
-  if (options_.is_secret) {
+  if (options_.guesses) {
     // Proven like others, and never right: they have no digits, and nobody knows the secret.
     codes.resize(std::max(open, PairingGuard::kMaxCodes),
                  Code{"none", std::string(kSecretLength, '-'), Role::kDevice, 0});
@@ -156,14 +171,14 @@ tl::expected<Pairing, PairingRefusal> PairingDoor::redeem_secret(const PairingAt
   return let_in(attempt, *std::move(code), std::move(judged->proof), now, add);
 }
 
-double PairingDoor::wait_s(const std::string& peer, const Now& now) const {
-  return options_.is_secret ? guard_.own_wait_s(peer, now.steady_s)
-                            : guard_.wait_s(peer, now.steady_s);
+double PairingDoor::wait_s(const PairingAttempt& attempt, const Now& now) const {
+  return options_.guesses ? options_.guesses->wait_s(attempt, now)
+                          : guard_.wait_s(attempt.peer, now.steady_s);
 }
 
 tl::expected<PairingDoor::Code, PairingRefusal> PairingDoor::count_digits(
     const PairingAttempt& attempt, const Judged& judged, const Now& now) {
-  if (const double wait = wait_s(attempt.peer, now); wait > 0) {
+  if (const double wait = wait_s(attempt, now); wait > 0) {
     return tl::unexpected(refusal_to_wait(wait));
   }
   std::optional<Code> code;
@@ -171,9 +186,15 @@ tl::expected<PairingDoor::Code, PairingRefusal> PairingDoor::count_digits(
     code = guard_.take(judged.known->secret, now.steady_s);
   }
   if (!code) {
-    guard_.wrong(attempt.peer, now.steady_s);
+    if (options_.guesses) {
+      options_.guesses->wrong(attempt, now);
+      guard_.wrong_of_all(now.steady_s);
+    } else {
+      guard_.wrong(attempt.peer, now.steady_s);
+    }
     return refuse(401, "the code is wrong or no longer valid; ask for a new one");
   }
+  if (options_.guesses) options_.guesses->right(attempt);
   guard_.right(attempt.peer, code->digits);
   return *std::move(code);
 }
@@ -186,7 +207,7 @@ tl::expected<Pairing, PairingRefusal> PairingDoor::redeem_digits(const PairingAt
   std::vector<Code> codes;
   {
     const std::scoped_lock lock(guard_mutex_);
-    if (const double wait = wait_s(attempt.peer, now); wait > 0) {
+    if (const double wait = wait_s(attempt, now); wait > 0) {
       return tl::unexpected(refusal_to_wait(wait));
     }
     if (guard_.wait_s(now.steady_s) == 0) codes = guard_.codes(now.steady_s);

@@ -21,6 +21,7 @@ struct PairingAttempt {
   std::string proof = {};      // hexadecimal; see pairing_proof.h
   bool proves_secret = false;  // and not the digits
   std::string name = {};       // that the device gives itself: "Anna's phone"
+  std::string home = {};       // that it asks for, of several
   std::string peer = {};       // that it comes from; see peer_key
 };
 
@@ -59,13 +60,29 @@ class ProofPlaces {
   std::shared_ptr<std::atomic<int>> left_;
 };
 
+// Wrong digits by home and peer, for the doors of homes of which nobody learns whether they are
+// there: so they are counted, kept and forgotten at names that are nobody's as at others. Bounded:
+// where all that are kept have to wait, a new one is heard, since otherwise who guesses at invented
+// names would keep others from their homes; a door still counts those of all. Thread-safe.
+class PeerGuesses {
+ public:
+  [[nodiscard]] double wait_s(const PairingAttempt& attempt, const Now& now);
+  void wrong(const PairingAttempt& attempt, const Now& now);
+  void right(const PairingAttempt& attempt);
+
+ private:
+  std::mutex mutex_;
+  PairingGuard guard_;  // without codes
+};
+
 struct PairingDoorOptions {
   // Of the computer's certificate, which proofs are bound to.
   std::string fingerprint;
-  // Of a home among others, of which nobody learns here whether it is there, or has a code open: a
-  // wrong attempt gets the same answer after the same work as at a door without codes. So those are
-  // told nothing who have to wait for what others guessed: their digits are wrong.
-  bool is_secret = false;
+  // Makes it the door of a home among others, of which nobody learns here whether it is there, or
+  // has a code open: a wrong attempt gets the same answer after the same work as at a door without
+  // codes. So those are told nothing who have to wait for what others guessed: their digits are
+  // wrong. Shared by all such doors; empty: the door has one home, and tells.
+  std::shared_ptr<PeerGuesses> guesses = {};
   // A place for a proof of digits by that peer, held while it is worked out, or how long until
   // there may be one, s. Empty: the door has one place.
   std::function<tl::expected<ProofPlaces::Place, double>(const std::string& peer, const Now&)>
@@ -87,9 +104,8 @@ class PairingDoor {
   [[nodiscard]] Expected<OpenCode> make_code(Role role, const Now& now);
   // How long digits are not heard from anybody.
   [[nodiscard]] double digits_wait_s(const Now& now);
-  // Whether a code is open; whether one is or somebody who guessed has to wait.
+  // Whether a code is open.
   [[nodiscard]] bool has_codes(const Now& now);
-  [[nodiscard]] bool awaits_pairing(const Now& now);
 
   // Whoever knows an open code is let in by `add`.
   using Add = std::function<Expected<Pairing>(Role role, const std::string& name)>;
@@ -112,7 +128,7 @@ class PairingDoor {
   [[nodiscard]] tl::expected<ProofPlaces::Place, double> place_for(const std::string& peer,
                                                                    const Now& now);
   // How long that peer's digits are not heard, s. With guard_mutex_ held, as the next.
-  [[nodiscard]] double wait_s(const std::string& peer, const Now& now) const;
+  [[nodiscard]] double wait_s(const PairingAttempt& attempt, const Now& now) const;
   // Counts what came of an attempt at digits: the code that is redeemed by it.
   [[nodiscard]] tl::expected<Code, PairingRefusal> count_digits(const PairingAttempt& attempt,
                                                                 const Judged& judged,

@@ -19,7 +19,7 @@ class PairingDoorTest : public ::testing::Test {
   std::unique_ptr<PairingDoor> door(bool is_secret = false) {
     PairingDoorOptions options;
     options.fingerprint = std::string(64, 'a');
-    options.is_secret = is_secret;
+    if (is_secret) options.guesses = guesses_;
     options.proof_place = [this](const std::string&, const Now&) -> Place {
       std::exchange(at_begin_, [] {})();
       return ProofPlaces::Place(this, [](void* test) {
@@ -46,6 +46,7 @@ class PairingDoorTest : public ::testing::Test {
   }
   OpenCode open_code(PairingDoor& door) { return door.make_code(Role::kDevice, now_).value(); }
 
+  const std::shared_ptr<PeerGuesses> guesses_ = std::make_shared<PeerGuesses>();
   Now now_{1000, 1'700'000'000};
 };
 
@@ -119,6 +120,29 @@ TEST_F(PairingDoorTest, AProofForWhichThereIsNoPlaceIsSentAwayAtOnce) {
   first.reset();
   EXPECT_EQ(prove(open, code.digits), 200);
   EXPECT_TRUE(places.take()) << "it was given back";
+}
+
+// Guesses at invented names fill what is kept: answers at a home with a code go on as at names
+// that are nobody's, and its digits are void after five as ever.
+TEST_F(PairingDoorTest, ANameWithCodesAnswersLikeOthersHoweverManyNamesWereGuessedAt) {
+  const auto home = door(/*is_secret=*/true), nobodys = door(/*is_secret=*/true);
+  const OpenCode code = open_code(*home);
+  const std::string wrong = fmt::format("{:06}", (std::stoi(code.digits) + 1) % 1'000'000);
+  const auto answers = [&](PairingDoor& at, const std::string& name, const std::string& peer) {
+    std::vector<int> all;
+    for (int i = 0; i < 4; ++i) all.push_back(ask(at, {.code = wrong, .home = name, .peer = peer}));
+    return all;
+  };
+  EXPECT_EQ(answers(*home, "flat-1", "10.0.0.1"), (std::vector{401, 401, 401, 429}));
+  EXPECT_EQ(answers(*nobodys, "none", "10.0.0.1"), (std::vector{401, 401, 401, 429}));
+  for (int i = 0; i < 2000; ++i) (void)answers(*nobodys, std::to_string(i), "10.0.0.2");
+  EXPECT_EQ(answers(*home, "flat-1", "10.0.0.1"), (std::vector{429, 429, 429, 429}));
+  EXPECT_EQ(answers(*nobodys, "none", "10.0.0.1"), (std::vector{429, 429, 429, 429}));
+  EXPECT_EQ(ask(*home, {.code = code.digits, .home = "flat-1", .peer = "10.0.0.3"}), 200);
+  const OpenCode second = open_code(*home);
+  EXPECT_EQ(answers(*home, "flat-1", "10.0.0.3"), answers(*nobodys, "none", "10.0.0.3"));
+  EXPECT_EQ(answers(*home, "flat-1", "10.0.0.4"), answers(*nobodys, "none", "10.0.0.4"));
+  EXPECT_EQ(ask(*home, {.code = second.digits, .home = "flat-1", .peer = "10.0.0.5"}), 401);
 }
 
 }  // namespace

@@ -50,12 +50,6 @@ double PairingGuard::wait_for_room_s(double now_s) const {
   return std::max(0.0, first->second.until_s - now_s);
 }
 
-double PairingGuard::wait_s_of_any(double now_s) const {
-  double most_s = wait_s(now_s);
-  for (const auto& [peer, guesses] : peers_) most_s = std::max(most_s, guesses.until_s - now_s);
-  return most_s;
-}
-
 std::vector<PairingGuard::Code> PairingGuard::codes(double now_s) {
   std::erase_if(codes_, [&](const Code& code) { return code.until_s <= now_s; });
   return codes_;
@@ -84,6 +78,10 @@ void PairingGuard::put_back(Code code, double now_s) {
 
 void PairingGuard::wrong(const std::string& peer, double now_s) {
   if (Guesses* const own = of(peer, now_s)) count(*own, kWrongOfPeer, now_s);
+  wrong_of_all(now_s);
+}
+
+void PairingGuard::wrong_of_all(double now_s) {
   if (wait_s(now_s) > 0) return;
   // Where nothing can be guessed, guessing must not lock others out.
   const auto open = codes(now_s);

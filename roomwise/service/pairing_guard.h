@@ -45,8 +45,6 @@ class PairingGuard {
   [[nodiscard]] double wait_s(const std::string& peer, double now_s) const;
   // How long that peer is not heard because of what it guessed itself.
   [[nodiscard]] double own_wait_s(const std::string& peer, double now_s) const;
-  // How long until nobody has to wait.
-  [[nodiscard]] double wait_s_of_any(double now_s) const;
   // The codes that can be redeemed now.
   [[nodiscard]] std::vector<Code> codes(double now_s);
   // What came of a guess.
@@ -57,9 +55,12 @@ class PairingGuard {
   void put_back(Code code, double now_s);
   // While nobody is heard it counts against its peer alone.
   void wrong(const std::string& peer, double now_s);
+  // The same where somebody else counts its peer's.
+  void wrong_of_all(double now_s);
 
   // Bounded: who waits is kept until the wait is over, and nobody new is heard where all wait.
   [[nodiscard]] std::size_t peers() const { return peers_.size(); }
+  [[nodiscard]] bool counts(const std::string& peer) const { return peers_.contains(peer); }
 
  private:
   struct Guesses {
