@@ -211,6 +211,35 @@ TEST_F(IndoorGmlTest, ARoomWithinAnotherIsAHoleInIt) {
   EXPECT_EQ(door.at("facts").at("walked"), "true");
 }
 
+// A hall with a door of 0.8 m to a room, into which a kitchen opens across its whole width.
+TEST_F(IndoorGmlTest, WhereTwoRoomsAreOpenToEachOtherIsNoDoor) {
+  rooms::WalkedPath path;
+  walk(path, {1, 1.5}, {2.9, 1.5}, "hall");
+  walk(path, {3.1, 1.5}, {5.5, 1.5}, "living");
+  walk(path, {6.5, 1.5}, {8.5, 1.5}, "kitchen");
+  DrawnPlan drawn(95, 32);
+  drawn.room(0, 0, 31, 31).room(30, 0, 62, 31);
+  for (int row = 11; row < 19; ++row) drawn.gap(30, row);
+  const HomeContents contents =
+      contents_of(drawn, {path}, {{"hall", ""}, {"kitchen", "kitchen"}, {"living", ""}});
+  const json transitions = read(contents).at("transitions");
+  ASSERT_THAT(transitions, SizeIs(2));
+  const bool door_first = transitions[0].at("name") == "door";
+  const json& door = transitions[door_first ? 0 : 1];
+  const json& opening = transitions[door_first ? 1 : 0];
+  EXPECT_EQ(door.at("name"), "door");
+  EXPECT_EQ(door.at("facts").at("type"), "door");
+  EXPECT_THAT(door.at("rooms"), ::testing::UnorderedElementsAre("hall", "living"));
+  EXPECT_EQ(opening.at("name"), "opening");
+  EXPECT_EQ(opening.at("facts").at("type"), "opening");
+  EXPECT_THAT(opening.at("rooms"), ::testing::UnorderedElementsAre("kitchen", "living"));
+  EXPECT_GT(std::stod(opening.at("facts").at("width_m").get<std::string>()), 2);
+  const auto plan = pipeline::indoor_gml(contents);
+  ASSERT_OK(plan);
+  EXPECT_EQ(plan->doors, 1U);
+  EXPECT_EQ(plan->openings, 1U);
+}
+
 TEST_F(IndoorGmlTest, WhatOfARoomLiesApartIsAFurtherSpaceOfItsName) {
   rooms::WalkedPath one, other;
   walk(one, {0.5, 1}, {5.5, 1}, "cellar");

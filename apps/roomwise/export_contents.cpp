@@ -165,17 +165,20 @@ Expected<Answer> export_indoorgml(const ContentsOptions& options, Context& conte
   auto plan = pipeline::indoor_gml(contents);
   if (!plan) return Unexpected(std::move(plan.error()).in(home.file()));
   ROOMWISE_CHECK_OK(write_file(options.output, plan->gml));
-  return Answer{fmt::format("wrote {} rooms, {} doors, {} flights of stairs, {} things to {}\n{}",
-                            plan->rooms, plan->doors, plan->stairs, plan->things,
-                            options.output.string(), left_out(*plan, contents)),
-                {{"rooms", plan->rooms},
-                 {"doors", plan->doors},
-                 {"stairs", plan->stairs},
-                 {"things", plan->things},
-                 {"rooms_elsewhere", plan->rooms_without_place},
-                 {"stairs_elsewhere", plan->stairs_without_rooms},
-                 {"things_elsewhere", contents.things_apart()},
-                 {"output", options.output.string()}}};
+  return Answer{
+      fmt::format(
+          "wrote {} rooms, {} doors, {} openings, {} flights of stairs, {} things to {}\n{}",
+          plan->rooms, plan->doors, plan->openings, plan->stairs, plan->things,
+          options.output.string(), left_out(*plan, contents)),
+      {{"rooms", plan->rooms},
+       {"doors", plan->doors},
+       {"openings", plan->openings},
+       {"stairs", plan->stairs},
+       {"things", plan->things},
+       {"rooms_elsewhere", plan->rooms_without_place},
+       {"stairs_elsewhere", plan->stairs_without_rooms},
+       {"things_elsewhere", contents.things_apart()},
+       {"output", options.output.string()}}};
 }
 
 Expected<Answer> export_mcap(const PicturesOptions& options, Context& context) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "roomwise/guide/legs.h"
 #include "roomwise/pipeline/exports/xml_writer.h"
 #include "roomwise/pipeline/rooms/room_outline.h"
 
@@ -114,7 +115,8 @@ class PlanContents {
   }
 
   std::vector<RoomInPlan> rooms;
-  std::vector<Link> doors, stairs;
+  std::vector<Link> doors, stairs;  // the first with the openings
+  std::size_t doors_only = 0, openings = 0;
   std::vector<PlacedThing> things;
   std::size_t stairs_without_rooms = 0;
 
@@ -173,10 +175,13 @@ class PlanContents {
       const auto from = by_name_.find(door.rooms[0]), to = by_name_.find(door.rooms[1]);
       if (door.is_stairs || from == by_name_.end() || to == by_name_.end()) continue;
       const Vector3d middle = contents_.place_gravity(door.middle_gravity);
+      // Where two rooms are open to each other there is none for a plan's reader to look for.
+      const std::string kind = guide::is_door(door) ? "door" : "opening";
+      std::size_t& of_kind = guide::is_door(door) ? doors_only : openings;
       doors.push_back(
-          {fmt::format("door-{}", doors.size() + 1),
-           "door",
-           fact("type", "door") + fact("storey", contents_.storeys().at_plan(door.middle_gravity)) +
+          {fmt::format("{}-{}", kind, ++of_kind),
+           kind,
+           fact("type", kind) + fact("storey", contents_.storeys().at_plan(door.middle_gravity)) +
                length_fact("width_m", door.width_m) +
                fact("walked", door.is_walked ? "true" : "false"),
            from->second,
@@ -497,7 +502,8 @@ Expected<IndoorPlan> indoor_gml(const HomeContents& contents) {
   IndoorPlan written;
   written.gml = IndoorGmlWriter(contents, plan).write();
   written.rooms = plan.rooms.size();
-  written.doors = plan.doors.size();
+  written.doors = plan.doors_only;
+  written.openings = plan.openings;
   written.stairs = plan.stairs.size();
   written.things = plan.things.size();
   written.rooms_without_place =
