@@ -549,7 +549,10 @@ std::optional<Prompt> Guidance::stopped(const Pose& pose, TimestampNs now_ns) {
   Prompt prompt = act(pose, now_ns);
   if (!std::exchange(is_barred_by_hazard_, false) || plan_.reach == Reach::kWhole) return prompt;
   // Not around it, and it may go, as people do: the way of before holds again after a while.
+  // What does not go is passed to the freer side, if at all.
   barred_floor_.reset();
+  if (was_barred_here(pose)) tries_side_ = freer_side(pose);
+  count_barred(pose);
   waits_since_ns_ = now_ns;
   state_ = State::kStopped;
   return say({"guide.no_way_around"}, now_ns, Confidence::kUnsure);

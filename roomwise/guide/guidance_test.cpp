@@ -343,6 +343,26 @@ TEST_F(GuidanceTest, WaitsForWhatStandsWhereThereIsNoWayAround) {
   EXPECT_THAT(hear(8), ::testing::Contains(::testing::StartsWith("Straight on")));
 }
 
+TEST_F(GuidanceTest, WhatNeverGoesIsTriedBesideAndThenTheRestIsTold) {
+  grid_ = testing::Floor(140, 8).grid();  // a corridor without room beside anybody
+  has_rooms_ = false;
+  lead_to(bed_at({13, 0.4}, "hall"), {0.6, 0.4}, 0);
+  (void)hear(8);
+  (void)hear(0.4, 0.6);
+  std::vector<std::string> said;
+  for (int i = 0; i < 400 && !guidance_->is_over(); ++i) {
+    obstacle_m_ = 0.8;
+    for (const Prompt& prompt : go(0.4)) {
+      said.push_back(prompt.text);
+      if (prompt.message.starts_with("guide.little_left")) heading_rad_ += 0.2;
+      if (prompt.message.starts_with("guide.little_right")) heading_rad_ -= 0.2;
+    }
+  }
+  EXPECT_EQ(guidance_->state(), State::kNearest) << ::testing::PrintToString(said);
+  EXPECT_THAT(said, ::testing::Contains(StartsWith("A little to the ")));
+  EXPECT_LE(std::ranges::count(said, "I know no way around it."), 5);
+}
+
 TEST_F(GuidanceTest, TheLastMetreIsBySideReachAndHeight) {
   lead_to(bed_at({3.3, 1.2}, "bedroom"), {1, 1.2}, 0);
   (void)hear(8);
