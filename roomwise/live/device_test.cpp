@@ -363,20 +363,20 @@ TEST_F(DeviceTest, WhatAFrameHasToSayComesBeforeWhatItTold) {
   EXPECT_THAT(types, ::testing::ElementsAre("prompt", "seen"));
 }
 
-// The guide does not know where they are, so it cannot judge what is in their way.
-TEST_F(DeviceTest, WhatStandsAheadIsToldToWhoIsLedWithoutAPlace) {
-  guide::KnownThing bed;
-  bed.name = "bed";
-  bed.room = "bedroom";
-  host.home->things = {bed};
-  service::Hello with_depth = hello();
-  const geometry::PinholeCamera camera{10, 10, 3.5, 2.5, 8, 6, {}, 1000};
-  with_depth.camera = service::DeviceCamera{8, 6, camera, true};
-  say(with_depth);
-  const auto hazards = [&](double t_ms) {
+// A device with depth before a wall.
+class DeviceBeforeAWallTest : public DeviceTest {
+ protected:
+  DeviceBeforeAWallTest() {
+    service::Hello with_depth = hello();
+    const geometry::PinholeCamera camera{10, 10, 3.5, 2.5, 8, 6, {}, 1000};
+    with_depth.camera = service::DeviceCamera{8, 6, camera, true};
+    say(with_depth);
+  }
+  // How often a picture that shows the wall so far away is answered by a hazard.
+  std::ptrdiff_t hazards(double t_ms, std::uint16_t distance_mm) {
     image::DepthImage wall(8, 6);
     for (int y = 0; y < 6; ++y) {
-      for (int x = 0; x < 8; ++x) wall.at(x, y) = 800;  // mm
+      for (int x = 0; x < 8; ++x) wall.at(x, y) = distance_mm;
     }
     const Bytes color = image::encode_jpeg(image::ColorImage(8, 6), 90);
     const Bytes depth = image::encode_png(wall);
@@ -385,39 +385,32 @@ TEST_F(DeviceTest, WhatStandsAheadIsToldToWhoIsLedWithoutAPlace) {
     device->work();
     return std::ranges::count(wire->take<service::PromptMessage>(), "hazard",
                               &service::PromptMessage::priority);
-  };
-  EXPECT_EQ(hazards(1000), 1);
+  }
+};
+
+// The guide does not know where they are, so it cannot judge what is in their way.
+TEST_F(DeviceBeforeAWallTest, ItIsToldToWhoIsLedWithoutAPlace) {
+  guide::KnownThing bed;
+  bed.name = "bed";
+  bed.room = "bedroom";
+  host.home->things = {bed};
+  EXPECT_EQ(hazards(1000, 800), 1);
   ask(1, 1100, service::Question::kTakeMeTo, "bed");
-  EXPECT_EQ(hazards(1500), 1);
+  EXPECT_EQ(hazards(1500, 800), 1);
   say(service::Ask{2, 1600, service::Question::kGuide, "", false, service::GuideWish::kEnd});
-  EXPECT_EQ(hazards(2000), 1);
+  EXPECT_EQ(hazards(2000, 800), 1);
 }
 
 // Else it would break off every sentence; the queue of a device keeps out what was said just now.
-TEST_F(DeviceTest, WhatStandsAheadStillIsToldNowAndThenAndWhenItComesNearer) {
-  service::Hello with_depth = hello();
-  const geometry::PinholeCamera camera{10, 10, 3.5, 2.5, 8, 6, {}, 1000};
-  with_depth.camera = service::DeviceCamera{8, 6, camera, true};
-  say(with_depth);
-  const auto hazards = [&](double t_ms, std::optional<std::uint16_t> distance_mm) {
-    image::DepthImage wall(8, 6);
-    for (int y = 0; y < 6; ++y) {
-      for (int x = 0; x < 8; ++x) wall.at(x, y) = distance_mm.value_or(4000);
-    }
-    device->on_message(write(service::FrameMessage{
-        t_ms, image::encode_jpeg(image::ColorImage(8, 6), 90), image::encode_png(wall)}));
-    wire->texts.clear();
-    device->work();
-    return std::ranges::count(wire->take<service::PromptMessage>(), "hazard",
-                              &service::PromptMessage::priority);
-  };
+TEST_F(DeviceBeforeAWallTest, ItIsToldNowAndThenAndWhenItComesNearer) {
+  constexpr std::uint16_t kFar_mm = 4000;  // not ahead
   EXPECT_EQ(hazards(1000, 800), 1);
   EXPECT_EQ(hazards(2000, 800), 1) << "the first may have been lost";
   for (double t_ms = 3000; t_ms < 8000; t_ms += 500) EXPECT_EQ(hazards(t_ms, 800), 0) << t_ms;
   EXPECT_EQ(hazards(8000, 500), 1) << "nearer";
   for (double t_ms = 9600; t_ms < 20000; t_ms += 800) EXPECT_EQ(hazards(t_ms, 500), 0) << t_ms;
   EXPECT_EQ(hazards(20500, 500), 1) << "after a while";
-  for (double t_ms = 21000; t_ms < 24000; t_ms += 500) EXPECT_EQ(hazards(t_ms, {}), 0) << t_ms;
+  for (double t_ms = 21000; t_ms < 24000; t_ms += 500) EXPECT_EQ(hazards(t_ms, kFar_mm), 0);
   EXPECT_EQ(hazards(24000, 800), 1) << "was gone";
 }
 
