@@ -58,6 +58,11 @@ class AccountStoreTest : public ::testing::TestWithParam<bool> {
 };
 std::unique_ptr<testing::PostgresqlServer> AccountStoreTest::postgresql_;
 
+// What a file does not have: a server, and its dislikes.
+class PostgresqlAccountsTest : public AccountStoreTest {};
+INSTANTIATE_TEST_SUITE_P(Backends, PostgresqlAccountsTest, ::testing::Values(true),
+                         [](const auto&) { return "PostgreSQL"; });
+
 INSTANTIATE_TEST_SUITE_P(Backends, AccountStoreTest, ::testing::Values(false, true),
                          [](const auto& backend) {
                            return backend.param ? "PostgreSQL" : "SQLite";
@@ -206,8 +211,7 @@ TEST_P(AccountStoreTest, TheAddressesOfAnIpv6NetworkGuessPasswordsTogether) {
   EXPECT_TRUE(store_->sign_in("anna", kAnnasPassword, "2001:db8:0:1::9", kNow));
 }
 
-TEST_P(AccountStoreTest, PostgresqlIsGivenNoTextWithAZero) {
-  if (!is_postgresql()) GTEST_SKIP() << "SQLite keeps it";
+TEST_P(PostgresqlAccountsTest, PostgresqlIsGivenNoTextWithAZero) {
   const auto link = open_postgresql_link(postgresql_->address());
   ASSERT_OK(link);
   EXPECT_ERROR((*link)->run("SELECT 1 WHERE 'anna' = $1", {"anna\0x1"s}), "zero byte");
@@ -311,8 +315,7 @@ TEST_P(AccountStoreTest, TheStaffsRequestsSignInListHomesAndSignOut) {
   EXPECT_EQ(lines[2].who, "somebody");
 }
 
-TEST_P(AccountStoreTest, AServerThatWasStartedAnewIsAskedAgain) {
-  if (!is_postgresql()) GTEST_SKIP() << "a file has no server";
+TEST_P(PostgresqlAccountsTest, AServerThatWasStartedAnewIsAskedAgain) {
   ASSERT_OK(store_->add("anna", kAnnasPassword));
   ASSERT_TRUE(postgresql_->stop());
   EXPECT_ERROR(store_->accounts(), "PostgreSQL");
@@ -321,8 +324,7 @@ TEST_P(AccountStoreTest, AServerThatWasStartedAnewIsAskedAgain) {
   EXPECT_OK(store_->accounts());
 }
 
-TEST_P(AccountStoreTest, WhatWritesReachesAServerThatWasStartedAnewOnce) {
-  if (!is_postgresql()) GTEST_SKIP() << "a file has no server";
+TEST_P(PostgresqlAccountsTest, WhatWritesReachesAServerThatWasStartedAnewOnce) {
   ASSERT_TRUE(postgresql_->stop());
   ASSERT_TRUE(postgresql_->start());
   const AuditLine line{1'700'000'000, "anna", "flat-1", "POST /api/learn", "200", "10.0.0.1"};
@@ -330,8 +332,7 @@ TEST_P(AccountStoreTest, WhatWritesReachesAServerThatWasStartedAnewOnce) {
   EXPECT_THAT(store_->audit(10).value(), ElementsAre(line));
 }
 
-TEST_P(AccountStoreTest, WhereTheConnectionBreaksWhatOnlyAsksIsAskedAgainAndWhatWritesIsNot) {
-  if (!is_postgresql()) GTEST_SKIP() << "a file has no server";
+TEST_P(PostgresqlAccountsTest, WhereTheConnectionBreaksWhatOnlyAsksIsAskedAgainAndWhatWritesIsNot) {
   const auto link = open_postgresql_link(postgresql_->address());
   ASSERT_OK(link);
   ASSERT_OK((*link)->run("DROP TABLE IF EXISTS ended"));
@@ -349,8 +350,7 @@ TEST_P(AccountStoreTest, WhereTheConnectionBreaksWhatOnlyAsksIsAskedAgainAndWhat
   EXPECT_EQ(tries(), "3");
 }
 
-TEST_P(AccountStoreTest, AStatementThatHangsIsGivenUp) {
-  if (!is_postgresql()) GTEST_SKIP() << "a file has no server";
+TEST_P(PostgresqlAccountsTest, AStatementThatHangsIsGivenUp) {
   const auto link = open_postgresql_link(postgresql_->address());
   ASSERT_OK(link);
   EXPECT_EQ((*link)->run("SHOW statement_timeout").value().at(0).at(0), "5s");
