@@ -310,17 +310,23 @@ void add_guidance_command(CLI::App& app, Context& context) {
   command->add_flag("--by-name", options.trial.goals.by_name,
                     "Only goals that are asked for by name: rooms, and things that a home has a "
                     "word for and of which a room has one");
-  command->add_flag("--rendered", options.is_rendered,
-                    "Draw what the walker's camera sees and send it to the home's computer, which "
-                    "leads them over the map that it has; with --home and --recording, by name");
-  command->add_option("--home", options.home, "Home that was mapped from the recording");
-  command->add_flag("--phone", options.camera.is_phone,
-                    "Of --rendered: pictures of a phone, in colour alone, of an unknown lens; "
-                    "else of a calibrated camera with depth");
+  const auto rendered = command->add_flag(
+      "--rendered", options.is_rendered,
+      "Draw what the walker's camera sees and send it to the home's computer, which "
+      "leads them over the map that it has; with --home and --recording, by name");
+  command->add_option("--home", options.home, "Home that was mapped from the recording")
+      ->needs(rendered);
+  command
+      ->add_flag("--phone", options.camera.is_phone,
+                 "Of --rendered: pictures of a phone, in colour alone, of an unknown lens; "
+                 "else of a calibrated camera with depth")
+      ->needs(rendered);
   add_setting(*command, "--pictures-per-second", options.times.pictures_per_s, "Of --rendered",
-              positive());
+              positive())
+      ->needs(rendered);
   add_setting(*command, "--latency", options.times.latency_s,
-              "Of --rendered: from a picture until its answer is heard, s", CLI::Range(0.0, 10.0));
+              "Of --rendered: from a picture until its answer is heard, s", CLI::Range(0.0, 10.0))
+      ->needs(rendered);
   add_setting(*command, "--goals", options.trial.goals.goals, "How many walks", positive());
   add_setting(*command, "--scenario", options.scenario,
               "How the home is when it is walked: day, evening, night, moved or moved-night; the "
@@ -335,11 +341,13 @@ void add_guidance_command(CLI::App& app, Context& context) {
   command
       ->add_option("--position-sigma", options.position_sigma_m,
                    "Standard deviation of positions, m; default: as measured")
-      ->check(positive());
+      ->check(positive())
+      ->excludes(rendered);
   command
       ->add_option("--answered", options.answered_share,
                    "Share of pictures that are placed; default: as measured by scenario")
-      ->check(CLI::Range(0.01, 1.0));
+      ->check(CLI::Range(0.01, 1.0))
+      ->excludes(rendered);
   command->add_flag("--walks", options.every_walk, "With each walk in the JSON");
   command->add_option("--report", options.report, "Page to write that shows the walks (.html)");
   add_render_options(*command, options.render, options.furniture);
