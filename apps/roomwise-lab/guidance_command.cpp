@@ -29,6 +29,7 @@ struct GuidanceOptions {
   std::optional<std::uint64_t> scenario_seed;
   std::string guide = "session";
   std::optional<double> position_sigma_m, answered_share;
+  bool has_depth = false;
   bool every_walk = false;
   fs::path furniture = kFurnitureFolder;
   // Of the walks whose pictures are drawn.
@@ -116,6 +117,7 @@ Expected<trials::TrialOptions> complete(const GuidanceOptions& options,
   trial.guide = guide->second;
   trial.goals.by_name = trial.goals.by_name || options.is_rendered;
   trial.position = trials::PositionModel::of(scenario);
+  trial.position.has_depth = options.has_depth;
   trial.position.sigma_m = options.position_sigma_m.value_or(trial.position.sigma_m);
   trial.position.answered_share = options.answered_share.value_or(trial.position.answered_share);
   ROOMWISE_CHECK_OK(trial.validate());
@@ -238,6 +240,7 @@ void add_setting_of_positions(const GuidanceOptions& options, const trials::Tria
   json["position_model"] = {{"answered_share", trial.position.answered_share},
                             {"sigma_m", trial.position.sigma_m},
                             {"wrong_share", trial.position.wrong_share},
+                            {"has_depth", trial.position.has_depth},
                             {"latency_s", trial.position.latency_s},
                             {"pictures_per_s", trial.position.pictures_per_s}};
 }
@@ -347,6 +350,11 @@ void add_guidance_command(CLI::App& app, Context& context) {
       ->add_option("--answered", options.answered_share,
                    "Share of pictures that are placed; default: as measured by scenario")
       ->check(CLI::Range(0.01, 1.0))
+      ->excludes(rendered);
+  command
+      ->add_flag("--depth", options.has_depth,
+                 "The walker's camera measures depth and sees what stands in the way; else it is a "
+                 "phone's. Of modelled positions")
       ->excludes(rendered);
   command->add_flag("--walks", options.every_walk, "With each walk in the JSON");
   command->add_option("--report", options.report, "Page to write that shows the walks (.html)");

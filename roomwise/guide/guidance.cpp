@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "roomwise/guide/floor_search.h"
+#include "roomwise/guide/obstacle.h"
 
 namespace roomwise::guide {
 namespace {
@@ -247,6 +248,9 @@ std::optional<Prompt> Guidance::update(const Walker& walker) {
   if (walker.pose && walker.pose->sigma_m <= UserLocation::kMaxSigma_m) {
     track_.add(*walker.pose, walker.pose_ns);
   }
+  // Where a place is not believed, nothing is that was seen from there.
+  const bool is_believed = track_.age_s(walker.pose_ns) == 0;
+  obstacles_ = is_believed ? walker.obstacles : std::vector<Vector2d>();
   keep_pace();
   pose_age_s_ = std::min(track_.age_s(walker.now_ns), kMaxGap_s);
   room_ = walker.room;
@@ -258,7 +262,8 @@ std::optional<Prompt> Guidance::update(const Walker& walker) {
   if (began_ns_ == 0) began_ns_ = walker.now_ns;
   const Pose* const pose = track_.pose(walker.now_ns);
   if (pose != nullptr) {
-    if (auto warning = hazard(walker)) return warning;
+    should_be_there_ = false;
+    if (auto warning = hazard(*pose, walker.now_ns)) return warning;
     if (auto warning = off_the_way(*pose, walker.now_ns)) return warning;
   }
   if (is_speaking(walker.now_ns)) return std::nullopt;
@@ -608,43 +613,113 @@ std::optional<Prompt> Guidance::on_stairs(const Pose& pose, TimestampNs now_ns) 
 }
 
 bool Guidance::judges_obstacles(TimestampNs now_ns) const {
-  if (state_ == State::kStairs) return true;
+  if (state_ == State::kStairs || state_ == State::kTurning) return true;
+  if (state_ == State::kLost && silent_for_s(now_ns) < options_.remind_s) return true;
   const bool leads =
       !is_over() && state_ != State::kPaused && state_ != State::kByRooms && state_ != State::kLost;
   if (!leads || track_.pose(now_ns) == nullptr) return false;
   return state_ == State::kWalking || track_.is_standing();
 }
 
-std::optional<Prompt> Guidance::hazard(const Walker& walker) {
-  if (!walker.obstacle_m || state_ != State::kWalking || legs_.empty()) return std::nullopt;
-  if (hazard_ns_ && seconds_between(*hazard_ns_, walker.now_ns) < kSameHazard_s) {
-    return std::nullopt;
+bool Guidance::is_unknown(const Vector2d& obstacle) const {
+  constexpr double kKnown_m = 0.15;  // from what is: places and maps are not exacter
+  return floor().fits(obstacle, kKnown_m);
+}
+
+// A body's width about the line to the leg's end, as narrow as ways are planned: past what the map
+// knows they are led.
+std::optional<double> Guidance::in_the_way_m(const Pose& pose) const {
+  const Leg& leg = legs_[leg_];
+  const Vector2d towards = leg.to - pose.position_gravity;
+  const Pose along{pose.position_gravity, towards.norm() > kAtEnd_m
+                                              ? std::atan2(towards.y(), towards.x())
+                                              : leg.heading_rad()};
+  const WalkingCorridor corridor{
+      .half_width_m = options_.plan.narrow_radius_m - kSlack_m,
+      .length_m = std::min(WalkingCorridor().length_m, towards.norm() + kLegEnd_m)};
+  std::vector<Vector2d> ahead;
+  for (const Vector2d& obstacle : obstacles_) {
+    const Vector2d seen = along.ahead_left_of(obstacle);
+    if (seen.x() > 0 && is_unknown(obstacle)) ahead.push_back(seen);
   }
-  const Pose& pose = *track_.pose(walker.now_ns);
+  return nearest_ahead_m(ahead, corridor);
+}
+
+bool Guidance::runs_into_something(const Pose& pose) const {
+  const double to_end_m = (legs_[leg_].to - pose.position_gravity).norm();
+  if (std::abs(bearing_error_rad(pose)) <= straight_enough_rad(to_end_m)) return false;
+  const WalkingCorridor corridor{.half_width_m = options_.plan.narrow_radius_m - kSlack_m};
+  std::vector<Vector2d> ahead;
+  for (const Vector2d& obstacle : obstacles_) {
+    const Vector2d seen = pose.ahead_left_of(obstacle);
+    if (seen.x() > 0) ahead.push_back(seen);
+  }
+  return nearest_ahead_m(ahead, corridor).has_value();
+}
+
+std::optional<Prompt> Guidance::hazard(const Pose& pose, TimestampNs now_ns) {
+  if (state_ != State::kWalking || legs_.empty() || map_.floor == nullptr) return std::nullopt;
+  if (hazard_ns_ && seconds_between(*hazard_ns_, now_ns) < kSameHazard_s) return std::nullopt;
+  const auto ahead_m = in_the_way_m(pose);
+  if (!ahead_m && !runs_into_something(pose)) return std::nullopt;
   const double left_m = (legs_[leg_].to - pose.position_gravity).norm();
   // The goal itself is no hazard.
-  if (is_last_leg() && *walker.obstacle_m > left_m - kHand_m) return std::nullopt;
+  if (is_last_leg() && ahead_m.value_or(0) > left_m - kHand_m) return std::nullopt;
   // Nor is the first step, before which one is stopped anyway.
-  if (is_next_leg_stairs() && *walker.obstacle_m > left_m - kLegEnd_m) return std::nullopt;
-  hazard_ns_ = walker.now_ns;
+  if (is_next_leg_stairs() && ahead_m.value_or(0) > left_m - kLegEnd_m) return std::nullopt;
+  hazard_ns_ = now_ns;
   const bool is_at_door =
-      legs_[leg_].ends_at_door && std::abs(*walker.obstacle_m - left_m) < kLegEnd_m;
+      ahead_m && legs_[leg_].ends_at_door && std::abs(*ahead_m - left_m) < kLegEnd_m;
   // Who was told that a door is closed has opened it, or it was open: what is ahead of them then is
   // its frame or its leaf, beside which they go on.
   const bool is_closed = is_at_door && !was_barred_here(pose);
-  Prompt prompt = stop(is_closed ? "guide.stop_door" : "guide.stop_obstacle", walker.now_ns);
+  Prompt prompt = stop(is_closed ? "guide.stop_door" : "guide.stop_obstacle", now_ns);
   prompt.priority = Priority::kHazard;
   if (is_at_door) {
     count_barred(pose);
     if (!is_closed) tries_side_ = freer_side(pose);
-  } else {
+  } else if (ahead_m) {
     is_barred_by_hazard_ = plan_.reach == Reach::kWhole;
-    bar_what_is_ahead(pose);
+    bar_what_is_seen();
   }
   return prompt;
 }
 
 // ---- without a place ----
+
+// Two steps, or what is left of the leg where that is less.
+double Guidance::unseen_step_m() const {
+  const double left_m = (legs_[leg_].to - track_.newest()->position_gravity).norm();
+  return std::min(left_m, kHand_m + kLegEnd_m);
+}
+
+// Where they face a bare wall, or stand so near to the goal that a camera sees one front of it, no
+// picture tells of a place. A turn and a step are what they were told, give or take little.
+bool Guidance::may_go_on_unseen() const {
+  if (track_.newest() == nullptr || legs_.empty() || legs_[leg_].stairs) return false;
+  if (state_ == State::kTurning) return true;
+  const Leg& leg = legs_.back();
+  return state_ == State::kWalking && is_last_leg() && plan_.reach == Reach::kWhole &&
+         (leg.to - track_.newest()->position_gravity).norm() < kHand_m + kLegEnd_m &&
+         comes_to_rest({leg.to, leg.heading_rad()});
+}
+
+// Who has turned goes a step; who went the last one should be there, and is led on should a picture
+// tell that they are not.
+Prompt Guidance::go_on_unseen(TimestampNs now_ns) {
+  if (state_ == State::kTurning) {
+    state_ = State::kWalking;
+    const double step_m = unseen_step_m();
+    if (step_m < kSmallStep_m) return say({"guide.small_step"}, now_ns, Confidence::kProbable);
+    return say(walk_phrase(distance(step_m), std::nullopt), now_ns, Confidence::kProbable);
+  }
+  const Values goal{{"goal", Nouns{goal_.noun}}};
+  if (!std::exchange(should_be_there_, true)) {
+    return say({"guide.should_be_there", goal}, now_ns, Confidence::kProbable);
+  }
+  state_ = State::kArrived;
+  return say({"guide.there_unseen", goal}, now_ns, Confidence::kUnsure);
+}
 
 std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
   const TimestampNs now_ns = walker.now_ns;
@@ -656,6 +731,11 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
                           : stands ? options_.lost_standing_s
                                    : options_.lost_s;
     if (missing_s < most_s) return std::nullopt;
+    if (may_go_on_unseen()) {
+      const double wait_s = should_be_there_ ? options_.remind_s : 2 * kReaction_s;
+      const bool is_done = silent_for_s(now_ns) > wait_s;
+      return is_done ? std::optional(go_on_unseen(now_ns)) : std::nullopt;
+    }
     state_ = State::kLost;
     told_room_.reset();
     reminded_ = false;
@@ -776,18 +856,34 @@ std::optional<Prompt> Guidance::finish(TimestampNs now_ns) {
 
 // ---- requests ----
 
+// What a cane found and no camera sees: a person's width across the way, as deep as a hand reaches
+// beyond a step.
 void Guidance::bar_what_is_ahead(const Pose& pose) {
+  const Vector2d ahead(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
+  const Vector2d middle = pose.position_gravity + (options_.body_radius_m + 0.35) * ahead;
+  bar([&](const Vector2d& place) { return (place - middle).norm() < options_.body_radius_m; });
+}
+
+void Guidance::bar_what_is_seen() {
+  std::vector<Vector2d> seen;
+  std::ranges::copy_if(obstacles_, std::back_inserter(seen),
+                       [&](const Vector2d& obstacle) { return is_unknown(obstacle); });
+  const double reach_m = map_.floor->cell_m();  // no gaps between what is seen 0.1 m apart
+  bar([&](const Vector2d& place) {
+    return std::ranges::any_of(
+        seen, [&](const Vector2d& one) { return (place - one).norm() <= reach_m; });
+  });
+}
+
+void Guidance::bar(const std::function<bool(const Vector2d&)>& is_barred) {
   if (map_.floor == nullptr) return;
   const fusion::FloorGrid& floor = this->floor();
   image::Image<fusion::FloorCell> cells(floor.columns(), floor.rows(), fusion::FloorCell::kUnknown);
-  // A person's width across the way, as deep as a hand reaches beyond a step.
-  const Vector2d ahead(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
-  const Vector2d middle = pose.position_gravity + (options_.body_radius_m + 0.35) * ahead;
   for (int row = 0; row < floor.rows(); ++row) {
     for (int column = 0; column < floor.columns(); ++column) {
-      const bool is_barred =
-          (floor.cell_middle_m(column, row) - middle).norm() < options_.body_radius_m;
-      cells.at(column, row) = is_barred ? fusion::FloorCell::kOccupied : floor.at(column, row);
+      cells.at(column, row) = is_barred(floor.cell_middle_m(column, row))
+                                  ? fusion::FloorCell::kOccupied
+                                  : floor.at(column, row);
     }
   }
   barred_floor_ = fusion::FloorGrid(floor.origin_m(), floor.cell_m(), std::move(cells));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -40,7 +41,8 @@ struct Walker {
   std::optional<Pose> pose = {};  // by the newest picture that told of one
   TimestampNs pose_ns = 0;        // when that was
   std::optional<std::string> room = {};
-  std::optional<double> obstacle_m = {};  // straight ahead, where that is measured
+  // What they could walk into, as the picture of the pose shows it: where on the floor.
+  std::vector<Eigen::Vector2d> obstacles = {};
 };
 
 // What the person led may want meanwhile.
@@ -86,8 +88,8 @@ class Guidance {
     return state_ == State::kArrived || state_ == State::kNearest || state_ == State::kEnded;
   }
   // Whether what is in the way is told by it where it matters, or needs no word since somebody
-  // stands or is on stairs. Else whoever sees it must tell: paused, lost or without a place people
-  // walk as they like.
+  // stands, was just told to turn on the spot, or is on stairs. Else whoever sees it must tell:
+  // paused, lost for long or without a place people walk as they like.
   [[nodiscard]] bool judges_obstacles(TimestampNs now_ns) const;
   [[nodiscard]] const Goal& goal() const { return goal_; }
   // The way that is followed now.
@@ -116,9 +118,12 @@ class Guidance {
     return leg_ + 1 < legs_.size() && legs_[leg_ + 1].stairs.has_value();
   }
   [[nodiscard]] MaybePrompt without_pose(const Walker& walker);
+  [[nodiscard]] double unseen_step_m() const;
+  [[nodiscard]] bool may_go_on_unseen() const;
+  [[nodiscard]] Prompt go_on_unseen(TimestampNs now_ns);
   [[nodiscard]] MaybePrompt by_rooms(const Walker& walker);
   [[nodiscard]] MaybePrompt off_the_way(const Pose& pose, TimestampNs now_ns);
-  [[nodiscard]] MaybePrompt hazard(const Walker& walker);
+  [[nodiscard]] MaybePrompt hazard(const Pose& pose, TimestampNs now_ns);
   [[nodiscard]] MaybePrompt finish(TimestampNs now_ns);
   [[nodiscard]] const KnownThing* thing_between(const Eigen::Vector2d& from) const;
   [[nodiscard]] double left_when_heard_m(double distance_m, double spoken_s = kSpoken_s) const;
@@ -139,7 +144,14 @@ class Guidance {
     return barred_floor_ ? *barred_floor_ : *map_.floor;
   }
   [[nodiscard]] bool has_arrived(const Pose& pose);
+  // What the map does not know and the camera sees; in the way: how far ahead on this leg.
+  [[nodiscard]] bool is_unknown(const Eigen::Vector2d& obstacle) const;
+  [[nodiscard]] std::optional<double> in_the_way_m(const Pose& pose) const;
+  // Off their line, and straight at something, known or not.
+  [[nodiscard]] bool runs_into_something(const Pose& pose) const;
   void bar_what_is_ahead(const Pose& pose);
+  void bar_what_is_seen();
+  void bar(const std::function<bool(const Eigen::Vector2d&)>& is_barred);
   // That somebody came no further, about where they stand now.
   [[nodiscard]] bool was_barred_here(const Pose& pose) const;
   void count_barred(const Pose& pose);
@@ -170,6 +182,7 @@ class Guidance {
   State state_ = State::kBeginning;
   WalkerTrack track_;
   std::optional<std::string> room_;
+  std::vector<Eigen::Vector2d> obstacles_;         // of the newest place that is believed
   std::optional<fusion::FloorGrid> barred_floor_;  // where the person found the way barred
   std::optional<Eigen::Vector2d> barred_at_;       // and where no other one is known
   std::optional<double> tries_side_;               // where it has more room, after it was barred
@@ -179,14 +192,15 @@ class Guidance {
   Plan plan_;
   std::vector<Leg> legs_;
   std::size_t leg_ = 0;
-  int begun_ = 0;             // how much of the beginning was said
-  int finished_ = 0;          // how much of the end was said
-  bool announced_ = false;    // what comes after this leg
-  bool reminded_ = false;     // of what to do now
-  bool passes_door_ = false;  // has not been told yet
-  double turn_from_rad_ = 0;  // the heading when a turn was asked for
-  double pace_m_s_ = 0.5;     // at which they walk when they walk
-  double pose_age_s_ = 0;     // of the newest place that is believed
+  int begun_ = 0;                 // how much of the beginning was said
+  int finished_ = 0;              // how much of the end was said
+  bool should_be_there_ = false;  // was told so without a place
+  bool announced_ = false;        // what comes after this leg
+  bool reminded_ = false;         // of what to do now
+  bool passes_door_ = false;      // has not been told yet
+  double turn_from_rad_ = 0;      // the heading when a turn was asked for
+  double pace_m_s_ = 0.5;         // at which they walk when they walk
+  double pose_age_s_ = 0;         // of the newest place that is believed
   double said_at_walked_m_ = 0;
   std::optional<StairsOnWay> stairs_;  // that are walked over now
   std::optional<TimestampNs> off_since_ns_;

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 namespace roomwise::guide {
@@ -13,22 +12,85 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kStride_px = 4;  // every 16th pixel: at a metre they are 8 mm apart
-constexpr double kBin_m = 0.02;
-constexpr std::ptrdiff_t kWindow = 5;  // bins
+constexpr double kSquare_m = 0.1;
 // A camera that looks up or down by more than 60 degrees sees the floor or the ceiling.
 constexpr double kMinForward = 0.5;
 
+// The surface over each square of floor.
+class Squares {
+ public:
+  explicit Squares(const ObstacleOptions& options)
+      : options_(options),
+        rows_(count(options.farthest_m - options.nearest_m)),
+        columns_(count(2 * options.beside_m)),
+        squares_(static_cast<std::size_t>(rows_ * columns_)) {}
+
+  // A piece of surface, m ahead and to the left.
+  void add(const Vector2d& place, double area_m2) {
+    const auto row = index((place.x() - options_.nearest_m) / kSquare_m);
+    const auto column = index((place.y() + options_.beside_m) / kSquare_m);
+    if (row < 0 || row >= rows_ || column < 0 || column >= columns_) return;
+    Square& square = squares_[static_cast<std::size_t>(row * columns_ + column)];
+    square.area_m2 += area_m2;
+    square.weighted += area_m2 * place;
+  }
+
+  // The middles of surface, nearer rows first.
+  [[nodiscard]] std::vector<Vector2d> with_enough() const {
+    std::vector<Vector2d> places;
+    for (int row = 0; row < rows_; ++row) {
+      for (int column = 0; column < columns_; ++column) {
+        const Square& square = *at(row, column);
+        // It must have its share of it: else it is a neighbour's border.
+        const bool is_enough = square.area_m2 >= options_.min_area_m2 / 9 &&
+                               area_around_m2(row, column) >= options_.min_area_m2;
+        if (is_enough) places.push_back(square.weighted / square.area_m2);
+      }
+    }
+    return places;
+  }
+
+ private:
+  struct Square {
+    double area_m2 = 0;
+    Vector2d weighted = Vector2d::Zero();
+  };
+  [[nodiscard]] static int count(double length_m) {
+    return static_cast<int>(std::ceil(length_m / kSquare_m - 1e-9));
+  }
+  [[nodiscard]] static int index(double squares) { return static_cast<int>(std::floor(squares)); }
+  [[nodiscard]] const Square* at(int row, int column) const {
+    const bool is_inside = row >= 0 && row < rows_ && column >= 0 && column < columns_;
+    return is_inside ? &squares_[static_cast<std::size_t>(row * columns_ + column)] : nullptr;
+  }
+  [[nodiscard]] double area_around_m2(int row, int column) const {
+    double area_m2 = 0;
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        if (const Square* const square = at(row + dy, column + dx)) area_m2 += square->area_m2;
+      }
+    }
+    return area_m2;
+  }
+
+  const ObstacleOptions& options_;
+  int rows_, columns_;
+  std::vector<Square> squares_;
+};
+
 }  // namespace
 
-Expected<void> WalkingCorridor::validate() const {
-  if (!(half_width_m > 0)) return fail("half_width_m is {}; expected more than 0", half_width_m);
+Expected<void> ObstacleOptions::validate() const {
   if (!(highest_m > lowest_m && lowest_m >= 0)) {
     return fail("lowest_m is {} and highest_m {}; expected 0 or more, and more", lowest_m,
                 highest_m);
   }
-  if (!(farthest_m >= nearest_m + kBin_m && nearest_m >= 0 && farthest_m <= 10)) {
+  if (!(farthest_m > nearest_m && nearest_m >= 0 && farthest_m <= 10)) {
     return fail("nearest_m is {} and farthest_m {}; expected 0 or more, and more up to 10",
                 nearest_m, farthest_m);
+  }
+  if (!(beside_m > 0 && beside_m <= 10)) {
+    return fail("beside_m is {}; expected more than 0, up to 10", beside_m);
   }
   if (!(min_area_m2 > 0)) return fail("min_area_m2 is {}; expected more than 0", min_area_m2);
   if (!(std::abs(up_camera.norm() - 1) < 1e-6)) {
@@ -37,23 +99,21 @@ Expected<void> WalkingCorridor::validate() const {
   return {};
 }
 
-Expected<std::optional<double>> obstacle_ahead_m(const image::DepthImage& depth,
-                                                 const geometry::PinholeCamera& camera,
-                                                 const WalkingCorridor& corridor) {
-  ROOMWISE_CHECK_OK(corridor.validate());
+Expected<std::vector<Vector2d>> obstacles_seen(const image::DepthImage& depth,
+                                               const geometry::PinholeCamera& camera,
+                                               const ObstacleOptions& options) {
+  ROOMWISE_CHECK_OK(options.validate());
   if (depth.width() != camera.width || depth.height() != camera.height) {
     return fail("the depth image has {}x{} pixels; the camera {}x{}", depth.width(), depth.height(),
                 camera.width, camera.height);
   }
-  const Vector3d& up = corridor.up_camera;
+  const Vector3d& up = options.up_camera;
   const Vector3d level = Vector3d::UnitZ() - up.z() * up;
-  if (level.norm() < kMinForward) return std::nullopt;
+  if (level.norm() < kMinForward) return std::vector<Vector2d>();
   const Vector3d forward = level.normalized();
-  const Vector3d right = forward.cross(up);
+  const Vector3d left = up.cross(forward);
 
-  // How much surface is seen at each distance.
-  std::vector<double> area_m2(
-      static_cast<std::size_t>((corridor.farthest_m - corridor.nearest_m) / kBin_m + 1e-9));
+  Squares squares(options);
   const double pixels = kStride_px * kStride_px / (camera.fx * camera.fy);
   for (int y = kStride_px / 2; y < depth.height(); y += kStride_px) {
     for (int x = kStride_px / 2; x < depth.width(); x += kStride_px) {
@@ -61,24 +121,22 @@ Expected<std::optional<double>> obstacle_ahead_m(const image::DepthImage& depth,
       const double depth_m = depth.at(x, y) / camera.depth_units_per_metre;
       // The lens distorts by millimetres here.
       const Vector3d point = camera.unproject_undistorted(Vector2d(x, y), depth_m);
-      const double height_m = corridor.camera_height_m + up.dot(point);
-      const double ahead_m = forward.dot(point);
-      const auto bin = static_cast<std::ptrdiff_t>((ahead_m - corridor.nearest_m) / kBin_m);
-      if (std::abs(right.dot(point)) > corridor.half_width_m || height_m < corridor.lowest_m ||
-          height_m > corridor.highest_m || ahead_m < corridor.nearest_m ||
-          bin >= std::ssize(area_m2)) {
-        continue;
-      }
-      area_m2[static_cast<std::size_t>(bin)] += pixels * depth_m * depth_m;
+      const double height_m = options.camera_height_m + up.dot(point);
+      if (height_m < options.lowest_m || height_m > options.highest_m) continue;
+      squares.add({forward.dot(point), left.dot(point)}, pixels * depth_m * depth_m);
     }
   }
-  for (auto bin = area_m2.begin(); bin != area_m2.end(); ++bin) {
-    const auto end = bin + std::min(kWindow, area_m2.end() - bin);
-    if (*bin > 0 && std::accumulate(bin, end, 0.0) >= corridor.min_area_m2) {
-      return corridor.nearest_m + kBin_m * static_cast<double>(bin - area_m2.begin());
-    }
+  return squares.with_enough();
+}
+
+std::optional<double> nearest_ahead_m(std::span<const Vector2d> obstacles,
+                                      const WalkingCorridor& corridor) {
+  std::optional<double> nearest_m;
+  for (const Vector2d& place : obstacles) {
+    if (place.x() > corridor.length_m || std::abs(place.y()) > corridor.half_width_m) continue;
+    nearest_m = std::min(place.x(), nearest_m.value_or(place.x()));
   }
-  return std::nullopt;
+  return nearest_m;
 }
 
 Prompt hazard_prompt(double distance_m, const Wording& wording, TimestampNs now_ns) {

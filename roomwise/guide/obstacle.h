@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "roomwise/base/expected.h"
 #include "roomwise/geometry/pinhole_camera.h"
@@ -10,14 +12,15 @@
 
 namespace roomwise::guide {
 
-// The space that somebody walks into next, and how their camera looks at it.
-struct WalkingCorridor {
-  double half_width_m = 0.3;
+// Where a depth camera looks for what a person could walk into, and how it is held.
+struct ObstacleOptions {
   double lowest_m = 0.15;  // above the floor; lower things are left to the cane
   double highest_m = 1.9;
   double nearest_m = 0.3;   // what is nearer is a hand, or the camera measures nothing
-  double farthest_m = 1.0;  // one or two steps
-  // As much surface must be seen within 10 cm of depth: single wrong pixels are no obstacle.
+  double farthest_m = 2.0;  // along the floor
+  double beside_m = 1.0;    // to each side
+  // As much surface must be seen within a square of 0.3 m of floor: single wrong pixels are no
+  // obstacle.
   double min_area_m2 = 0.01;
 
   double camera_height_m = 1.3;
@@ -26,13 +29,24 @@ struct WalkingCorridor {
   [[nodiscard]] Expected<void> validate() const;
 };
 
-// How far it is to the nearest obstacle ahead, m along the floor; nothing where there is none, or
-// where the camera looks so steeply up or down that it does not see ahead. It knows only what the
-// depth camera measures: glass, mirrors and things nearer than half a metre are mostly missing, so
-// nothing ahead does not mean that the way is free. Fails where the image does not fit the camera.
-[[nodiscard]] Expected<std::optional<double>> obstacle_ahead_m(
+// Where on the floor something stands or hangs: m ahead of the camera and m to its left, one place
+// for each square of 0.1 m in which surface is seen. None where the camera looks so steeply up or
+// down that it does not see ahead. It knows only what the depth camera measures: glass, mirrors and
+// things nearer than half a metre are mostly missing, so none does not mean that the way is free.
+// Fails where the image does not fit the camera.
+[[nodiscard]] Expected<std::vector<Eigen::Vector2d>> obstacles_seen(
     const image::DepthImage& depth, const geometry::PinholeCamera& camera,
-    const WalkingCorridor& corridor = {});
+    const ObstacleOptions& options = {});
+
+// The space that somebody walks into next who goes where they face.
+struct WalkingCorridor {
+  double half_width_m = 0.3;
+  double length_m = 1.0;  // one or two steps
+};
+
+// How far ahead the nearest of them stands in the corridor, m; nothing where none does.
+[[nodiscard]] std::optional<double> nearest_ahead_m(std::span<const Eigen::Vector2d> obstacles,
+                                                    const WalkingCorridor& corridor = {});
 
 // "Obstacle ahead."
 [[nodiscard]] Prompt hazard_prompt(double distance_m, const Wording& wording, TimestampNs now_ns);

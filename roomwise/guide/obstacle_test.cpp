@@ -12,8 +12,10 @@
 namespace roomwise::guide {
 namespace {
 
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 geometry::PinholeCamera small_camera() {
   return {.fx = 262,
@@ -33,7 +35,7 @@ class View {
   explicit View(double pitch_rad = 0)
       : world_from_camera_(Eigen::AngleAxisd(-pitch_rad, Vector3d::UnitX()) *
                            Eigen::AngleAxisd(-std::numbers::pi / 2, Vector3d::UnitX())) {
-    corridor.up_camera = world_from_camera_.inverse() * Vector3d::UnitZ();
+    options.up_camera = world_from_camera_.inverse() * Vector3d::UnitZ();
   }
 
   void add_box(const Vector3d& least, const Vector3d& most) { boxes_.push_back({least, most}); }
@@ -48,19 +50,20 @@ class View {
     }
     return image;
   }
-  [[nodiscard]] std::optional<double> obstacle_m() const {
-    return obstacle_ahead_m(depth(), camera, corridor).value();
+  [[nodiscard]] std::vector<Vector2d> obstacles() const {
+    return obstacles_seen(depth(), camera, options).value();
   }
+  [[nodiscard]] std::optional<double> obstacle_m() const { return nearest_ahead_m(obstacles()); }
 
   geometry::PinholeCamera camera = small_camera();
-  WalkingCorridor corridor;
+  ObstacleOptions options;
 
  private:
   struct Box {
     Vector3d least, most;
   };
   [[nodiscard]] double nearest(const Vector3d& ray) const {
-    const Vector3d eye(0, 0, corridor.camera_height_m);
+    const Vector3d eye(0, 0, options.camera_height_m);
     double nearest = ray.z() < 0 ? -eye.z() / ray.z() : 1e9;
     for (const Box& box : boxes_) {
       const Eigen::Array3d a = (box.least - eye).array() / ray.array();
@@ -118,6 +121,30 @@ TEST(ObstacleTest, AThinPostIsAnObstacle) {
   EXPECT_NEAR(*view.obstacle_m(), 0.6, 0.021);
 }
 
+TEST(ObstacleTest, TellsWhereOnTheFloorThingsStandToBothSides) {
+  View view;
+  view.add_box({-0.6, 1.0, 0}, {-0.5, 1.1, 1.6});  // to the left
+  view.add_box({0.6, 1.5, 0}, {0.7, 1.6, 1.6});
+  const auto obstacles = view.obstacles();
+  const auto left_of = [&](double side) {
+    return std::ranges::count_if(obstacles, [&](const Vector2d& p) { return side * p.y() > 0; });
+  };
+  EXPECT_GT(left_of(1), 0);
+  EXPECT_GT(left_of(-1), 0);
+  for (const Vector2d& place : obstacles) {
+    const bool is_left = place.y() > 0;
+    EXPECT_NEAR(place.x(), is_left ? 1.0 : 1.5, 0.11) << place.transpose();
+    EXPECT_NEAR(place.y(), is_left ? 0.55 : -0.65, 0.06) << place.transpose();
+  }
+}
+
+TEST(ObstacleTest, AShelfAtTheHeightOfAHeadIsSeenThoughItIsThin) {
+  View view(-0.3);
+  view.add_box({-0.5, 0.8, 1.7}, {0.5, 1.1, 1.74});
+  ASSERT_TRUE(view.obstacle_m());
+  EXPECT_NEAR(*view.obstacle_m(), 0.8, 0.05);
+}
+
 TEST(ObstacleTest, SingleWrongPixelsAreNone) {
   View view;
   view.add_box({-2, 0.8, 0}, {2, 0.9, 2.5});
@@ -127,19 +154,20 @@ TEST(ObstacleTest, SingleWrongPixelsAreNone) {
     if (random.uniform() < 0.01) pixel = static_cast<std::uint16_t>(300 + random.index(300));
     if (random.uniform() < 0.3) pixel = 0;
   }
-  const auto distance_m = obstacle_ahead_m(depth, view.camera, view.corridor).value();
+  const auto seen = obstacles_seen(depth, view.camera, view.options).value();
+  const auto distance_m = nearest_ahead_m(seen);
   ASSERT_TRUE(distance_m);
   EXPECT_NEAR(*distance_m, 0.8, 0.1);
   EXPECT_GT(*distance_m, 0.69);
-  EXPECT_EQ(obstacle_ahead_m(image::DepthImage(320, 240), view.camera).value(), std::nullopt);
+  EXPECT_THAT(obstacles_seen(image::DepthImage(320, 240), view.camera).value(), IsEmpty());
 }
 
 TEST(ObstacleTest, SaysWhatIsWrong) {
-  EXPECT_ERROR(obstacle_ahead_m(image::DepthImage(32, 24), small_camera()),
+  EXPECT_ERROR(obstacles_seen(image::DepthImage(32, 24), small_camera()),
                "32x24 pixels; the camera 320x240");
-  WalkingCorridor corridor;
-  corridor.up_camera = Vector3d(0, -2, 0);
-  EXPECT_ERROR(obstacle_ahead_m(image::DepthImage(320, 240), small_camera(), corridor),
+  ObstacleOptions options;
+  options.up_camera = Vector3d(0, -2, 0);
+  EXPECT_ERROR(obstacles_seen(image::DepthImage(320, 240), small_camera(), options),
                "up_camera has the length 2");
 }
 

@@ -1,5 +1,6 @@
 #include "roomwise/guide/places.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -20,6 +21,14 @@ constexpr double kClose_m = 0.8;
 constexpr double kThingSureFrom = 0.8;
 
 }  // namespace
+
+Eigen::Vector2d Pose::place_of(const Eigen::Vector2d& ahead_left_m) const {
+  return position_gravity + Eigen::Rotation2Dd(heading_rad) * ahead_left_m;
+}
+
+Eigen::Vector2d Pose::ahead_left_of(const Eigen::Vector2d& place_gravity) const {
+  return Eigen::Rotation2Dd(-heading_rad) * (place_gravity - position_gravity);
+}
 
 const Pose* UserLocation::sure_pose() const {
   return pose && pose->sigma_m <= kMaxSigma_m ? &*pose : nullptr;

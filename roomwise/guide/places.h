@@ -21,6 +21,10 @@ struct Pose {
   Eigen::Vector2d position_gravity = Eigen::Vector2d::Zero();
   double heading_rad = 0;  // which way they look, counter-clockwise from x
   double sigma_m = 0;      // standard deviation of the position
+
+  // Of what they see so far ahead and to their left, m.
+  [[nodiscard]] Eigen::Vector2d place_of(const Eigen::Vector2d& ahead_left_m) const;
+  [[nodiscard]] Eigen::Vector2d ahead_left_of(const Eigen::Vector2d& place_gravity) const;
 };
 
 // What is known of where somebody is: a pose, a room, both or nothing.

@@ -18,7 +18,11 @@ class WalkerTrack {
 
   // The newest that is believed, if it is fresh: what is said rests on it.
   [[nodiscard]] const Pose* pose(TimestampNs now_ns) const;
-  // Since the newest that is believed; infinity where there is none.
+  // The newest that is believed, however old; null where there is none.
+  [[nodiscard]] const Pose* newest() const {
+    return stops_.empty() ? nullptr : &stops_.back().pose;
+  }
+  // Since that one; infinity where there is none.
   [[nodiscard]] double age_s(TimestampNs now_ns) const;
   // Over the last second or so; nothing where too few poses tell. What the poses' own uncertainty
   // may be is not walked.

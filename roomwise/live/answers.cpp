@@ -404,8 +404,7 @@ guide::UserLocation standing_of(const FrameResult* result) {
   guide::UserLocation location;
   if (result == nullptr) return location;
   if (result->place) {
-    location.pose = guide::Pose{result->place->position_gravity().head<2>(),
-                                result->place->heading_rad(), result->place->sigma_m};
+    location.pose = result->place->on_floor();
     location.room = result->place->room;
   }
   if (!location.room && result->decision) location.room = result->decision->room();

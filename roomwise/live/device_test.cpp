@@ -396,9 +396,12 @@ TEST_F(DeviceBeforeAWallTest, ItIsToldToWhoIsLedWithoutAPlace) {
   host.home->things = {bed};
   EXPECT_EQ(hazards(1000, 800), 1);
   ask(1, 1100, service::Question::kTakeMeTo, "bed");
-  EXPECT_EQ(hazards(1500, 800), 1);
-  say(service::Ask{2, 1600, service::Question::kGuide, "", false, service::GuideWish::kEnd});
-  EXPECT_EQ(hazards(2000, 800), 1);
+  EXPECT_EQ(hazards(1500, 800), 0) << "was just told to turn on the spot";
+  EXPECT_EQ(hazards(20'000, 800), 0) << "was just told so once more";
+  (void)hazards(39'500, 800);
+  EXPECT_EQ(hazards(40'000, 800), 1) << "may walk again";
+  say(service::Ask{2, 40'100, service::Question::kGuide, "", false, service::GuideWish::kEnd});
+  EXPECT_EQ(hazards(40'500, 800), 1);
 }
 
 // Else it would break off every sentence; the queue of a device keeps out what was said just now.

@@ -10,23 +10,23 @@ namespace {
 // After a gap this long the room may be any again, s: nobody stays that long without a picture.
 constexpr double kForgetAfter_s = 60;
 
-// How far it is to what stands ahead; by the place on the map the camera's height and tilt are
-// known.
-Expected<std::optional<double>> obstacle_ahead(const image::DepthImage& depth,
-                                               const geometry::PinholeCamera& camera,
-                                               const std::optional<CameraPose>& place,
-                                               const LiveMap* map) {
-  guide::WalkingCorridor corridor;
+// What stands ahead, as the camera sees it (ahead, left); by the place on the map its height and
+// tilt are known.
+Expected<std::vector<Eigen::Vector2d>> obstacles_ahead(const image::DepthImage& depth,
+                                                       const geometry::PinholeCamera& camera,
+                                                       const std::optional<CameraPose>& place,
+                                                       const LiveMap* map) {
+  guide::ObstacleOptions options;
   const bool has_floor = map != nullptr && map->frame.has_floor;
   // Over stairs each step would be one, and who climbs them knows.
   if (place && has_floor && map->frame.storeys.stairs_at(place->position_gravity().head<2>())) {
-    return std::optional<double>();
+    return std::vector<Eigen::Vector2d>();
   }
   if (place) {
-    corridor.up_camera = place->gravity_from_camera.rotation.inverse() * Eigen::Vector3d::UnitZ();
-    if (has_floor) corridor.camera_height_m = place->position_gravity().z();
+    options.up_camera = place->gravity_from_camera.rotation.inverse() * Eigen::Vector3d::UnitZ();
+    if (has_floor) options.camera_height_m = place->position_gravity().z();
   }
-  return guide::obstacle_ahead_m(depth, camera, corridor);
+  return guide::obstacles_seen(depth, camera, options);
 }
 
 }  // namespace
@@ -34,6 +34,10 @@ Expected<std::optional<double>> obstacle_ahead(const image::DepthImage& depth,
 double CameraPose::heading_rad() const {
   const Eigen::Vector3d axis = gravity_from_camera.rotation * Eigen::Vector3d::UnitZ();
   return std::atan2(axis.y(), axis.x());
+}
+
+guide::Pose CameraPose::on_floor() const {
+  return {position_gravity().head<2>(), heading_rad(), sigma_m};
 }
 
 Expected<std::optional<rooms::RoomDecision>> FrameProcessor::decide(
@@ -120,8 +124,13 @@ Expected<FrameResult> FrameProcessor::look(CameraFrame frame,
   ROOMWISE_TRY(result.decision, decide(color, frame.t_ms, answer, depth.has_value(), home));
   ROOMWISE_CHECK_OK(look_for_own_things(*images, *home, result));
   if (depth) {
-    ROOMWISE_TRY(result.obstacle_m,
-                 obstacle_ahead(*depth, *camera_->calibrated, result.place, home->map.get()));
+    ROOMWISE_TRY(const auto seen,
+                 obstacles_ahead(*depth, *camera_->calibrated, result.place, home->map.get()));
+    result.obstacle_m = guide::nearest_ahead_m(seen);
+    if (result.place) {
+      const guide::Pose pose = result.place->on_floor();
+      for (const Eigen::Vector2d& one : seen) result.obstacles.push_back(pose.place_of(one));
+    }
   }
   if (result.decision && result.decision->verdict != rooms::Verdict::kRoom) {
     result.more_to_see = pipeline::side_with_more_to_see(color);

@@ -2,7 +2,9 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
+#include "roomwise/guide/places.h"
 #include "roomwise/live/frame_images.h"
 #include "roomwise/live/home_view.h"
 #include "roomwise/mapping/localization/lens_calibration.h"
@@ -19,6 +21,7 @@ struct CameraPose {
   [[nodiscard]] Eigen::Vector3d position_gravity() const { return gravity_from_camera.translation; }
   // Of the optical axis over the floor, counter-clockwise from x, rad.
   [[nodiscard]] double heading_rad() const;
+  [[nodiscard]] guide::Pose on_floor() const;
 };
 
 // A thing that somebody taught, in a picture.
@@ -37,8 +40,11 @@ struct FrameResult {
   std::optional<CameraPose> place;
   // Of a camera that nobody calibrated, what is known of its lens, where this frame told of it.
   std::optional<mapping::LensCalibration> lens;
-  bool has_depth = false;                // the frame has; else nothing tells what is ahead now
-  std::optional<double> obstacle_m;      // straight ahead, by depth
+  bool has_depth = false;            // the frame has; else nothing tells what is ahead now
+  std::optional<double> obstacle_m;  // straight ahead, by depth
+  // What a person could walk into, seen by depth: where on the floor, in the gravity-aligned frame;
+  // none where there is no place.
+  std::vector<Eigen::Vector2d> obstacles;
   std::vector<SeenOwnThing> own_things;  // looked for once a second at most
   Bytes picture;                         // as the device sent it
   // For questions about the picture itself; it goes with the next one and is never stored.

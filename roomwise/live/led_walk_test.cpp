@@ -112,7 +112,7 @@ TEST_F(LedWalkTest, WhoIsNotSeenIsAnsweredAndLedOnceTheyAre) {
   ASSERT_NE(led, nullptr);
   EXPECT_EQ(led->begin(blind).text, "I do not know where you stand. Turn slowly.");
   EXPECT_THAT(walk(*led, 12, 0),
-              ::testing::ElementsAre("I know again where you are.", StartsWith("To the microwave"),
+              ::testing::ElementsAre("Stop. I know again where you are.", StartsWith("To the microwave"),
                                      "The microwave is ahead of you.", StartsWith("Straight on")));
 }
 

@@ -80,7 +80,8 @@ Instruction understand(const guide::Prompt& prompt, const guide::Wording& wordin
     return {Kind::kSoon, turn_of(message, number(1)), metres_of(number(0), wording)};
   }
   if (message == "guide.lost" || message == "route.no_place") return {Kind::kLookAround};
-  if (is("guide.stop") || is("guide.off") || is("guide.there") || message == "guide.near_end" ||
+  if (is("guide.stop") || is("guide.off") || is("guide.there") ||
+      message == "guide.should_be_there" || message == "guide.near_end" ||
       message == "guide.no_way_around" || message == "guide.found") {
     return {Kind::kStop};
   }

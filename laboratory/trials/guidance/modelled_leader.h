@@ -9,7 +9,7 @@ namespace roomwise::trials {
 class ModelledSight {
  public:
   ModelledSight(const WalkedHome& home, const PositionModel& model, std::uint64_t seed)
-      : home_(home), position_(model, seed) {}
+      : home_(home), has_depth_(model.has_depth), position_(model, seed) {}
 
   void look(double now_s, const SimulatedWalker& walker);
   // As a guide is told now.
@@ -20,6 +20,7 @@ class ModelledSight {
 
  private:
   const WalkedHome& home_;
+  bool has_depth_;
   ModelledPosition position_;
   guide::Walker state_;
   double pose_s_ = 0;

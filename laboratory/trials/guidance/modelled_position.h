@@ -22,6 +22,7 @@ struct PositionModel {
   double sigma_degrees = 1;        // of the heading
   double wrong_share = 0.003;      // of answers: anywhere within a few metres
   double room_known_share = 0.98;  // where the pose is not known, of pictures
+  bool has_depth = false;          // the camera measures what stands ahead
 
   // Of a phone without calibration, by what has changed since the map was made.
   [[nodiscard]] static PositionModel of(simulation::Scenario scenario);
