@@ -39,6 +39,9 @@ struct Outline {
   [[nodiscard]] double distance_m(const Eigen::Vector2d& point_gravity) const;
 };
 
+// The way out as homes and catalogues call it.
+inline constexpr const char* kNameOfWayOut = "way out";
+
 // Where somebody wants to be led.
 struct Goal {
   enum class Kind { kThing, kRoom, kDoor, kWayOut, kSpot };

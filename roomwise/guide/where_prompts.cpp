@@ -3,6 +3,7 @@
 #include <limits>
 #include <tuple>
 
+#include "roomwise/guide/plan.h"
 #include "roomwise/guide/seen_prompt.h"
 #include "roomwise/guide/surfaces.h"
 #include "roomwise/guide/thing_prompts.h"
@@ -140,6 +141,10 @@ std::optional<Prompt> surface_part(const KnownThing& thing, std::span<const Know
 Prompt unknown_thing(const std::string& asked, const Wording& wording, TimestampNs now_ns) {
   const auto words = wording.phrases().words_for(Noun::Kind::kThing, asked);
   const std::string name = words.empty() ? asked : words.front();
+  if (std::ranges::count(words, kNameOfWayOut) > 0) {
+    return make_prompt(wording, key_of(kNameOfWayOut), "where.no_way_out", {}, Confidence::kSure,
+                       after(now_ns, kHomeValid_s), "nobody added it");
+  }
   return make_prompt(wording, key_of(name), "where.unknown", {{"thing", thing(name)}},
                      Confidence::kSure, after(now_ns, kHomeValid_s),
                      "the map has no thing of this name");

@@ -31,6 +31,12 @@ TimestampNs nanoseconds(double t_ms) {
   return std::llround(t_ms * 1e6);
 }
 
+// That a name is one of the way out: "way out", "exit", "front door".
+bool means_way_out(const std::string& name, const guide::Phrasebook& phrases) {
+  return std::ranges::count(phrases.words_for(guide::Noun::Kind::kThing, name),
+                            guide::kNameOfWayOut) > 0;
+}
+
 guide::TurnHint hint_of(const FrameResult& result) {
   if (!result.more_to_see) return guide::TurnHint::kAnywhere;
   return *result.more_to_see == pipeline::Side::kLeft ? guide::TurnHint::kLeft
@@ -57,8 +63,8 @@ guide::Prompt where_am_i(const Situation& situation, const guide::Wording& wordi
 std::vector<guide::Prompt> way_to(const service::Ask& ask, const Situation& situation,
                                   const guide::Wording& wording, TimestampNs now_ns) {
   const HomeView& home = situation.home;
-  const std::string& asked = ask.subject;
-  const auto things = things_asked_for(ask, home);
+  const std::string asked = name_asked_for(ask);
+  const auto things = things_asked_for(ask, home, wording.phrases());
   const guide::UserLocation location = standing_of(situation.result);
   const auto meant = guide::thing_meant(asked, things, home.concepts.vocabulary, wording.phrases());
   if (!meant) {  // says so
@@ -123,17 +129,17 @@ std::vector<guide::KnownThing> doors_asked_for(const std::string& asked, const H
 
 std::vector<guide::Prompt> where_is(const service::Ask& ask, const Situation& situation,
                                     const guide::Wording& wording, TimestampNs now_ns) {
-  const std::string& asked = ask.subject;
+  const std::string asked = name_asked_for(ask);
   const HomeView& home = situation.home;
   const guide::UserLocation location = standing_of(situation.result);
-  if (const ViewedSpot* const spot = spot_called(asked, home)) {
-    return guide::where_prompts(asked, location, {&spot->thing, 1}, doorways_of(home),
+  if (const ViewedSpot* const spot = spot_asked_for(ask, home, wording.phrases())) {
+    return guide::where_prompts(spot->thing.name, location, {&spot->thing, 1}, doorways_of(home),
                                 home.concepts.vocabulary, wording, now_ns, situation.today);
   }
   const auto doors = doors_asked_for(asked, home, location, wording.phrases());
-  return guide::where_prompts(asked, location, doors.empty() ? things_asked_for(ask, home) : doors,
-                              doorways_of(home), home.concepts.vocabulary, wording, now_ns,
-                              situation.today);
+  const auto things = doors.empty() ? things_asked_for(ask, home, wording.phrases()) : doors;
+  return guide::where_prompts(asked, location, things, doorways_of(home), home.concepts.vocabulary,
+                              wording, now_ns, situation.today);
 }
 
 // Of questions that rest on the picture in hand: directions, and where one stands.
@@ -256,6 +262,7 @@ std::optional<service::Question> question_of(guide::QuestionType type, bool is_r
     case QuestionType::kWayTo:
       return Question::kWayTo;
     case QuestionType::kTakeMeTo:
+    case QuestionType::kTakeMeOut:
       return Question::kTakeMeTo;
     case QuestionType::kWhatIsOn:
       return Question::kWhatIsOn;
@@ -311,6 +318,8 @@ guide::HomeNames names_in(const HomeView& home) {
   names.things.assign(things.begin(), things.end());
   for (const rooms::Room& room : home.rooms) names.rooms.push_back(room.name);
   if (!guide::doors_of(doorways_of(home)).empty()) names.goals = {"door"};
+  names.goals.emplace_back(
+      guide::kNameOfWayOut);  // who asks where none is known hears how to mend it
   for (const ViewedSpot& spot : home.spots) {
     const bool is_named = spot.thing.name == spot.stored.name;
     (is_named ? names.spots : names.goals).push_back(spot.thing.name);
@@ -335,15 +344,38 @@ std::optional<service::Ask> ask_of(const guide::Understood& heard, const service
   const auto question = question_of(heard.type, is_room);
   if (!question) return std::nullopt;
   ask.question = *question;
+  ask.is_way_out = heard.type == guide::QuestionType::kTakeMeOut;
   ask.is_room = is_room && (ask.question == service::Question::kWhereIs ||
                             ask.question == service::Question::kTakeMeTo);
   return ask;
 }
 
-const ViewedSpot* spot_called(const std::string& asked, const HomeView& home) {
+const ViewedSpot* spot_called(const std::string& name, const HomeView& home) {
   const auto found = std::ranges::find_if(
-      home.spots, [&](const ViewedSpot& spot) { return spot.thing.name == asked; });
+      home.spots, [&](const ViewedSpot& spot) { return spot.thing.name == name; });
   return found == home.spots.end() ? nullptr : &*found;
+}
+
+const ViewedSpot* spot_asked_for(const service::Ask& ask, const HomeView& home,
+                                 const guide::Phrasebook& phrases) {
+  if (const ViewedSpot* const spot = spot_called(name_asked_for(ask), home)) return spot;
+  if (!asks_for_way_out(ask, home, phrases)) return nullptr;
+  const auto found = std::ranges::find_if(
+      home.spots, [&](const ViewedSpot& spot) { return means_way_out(spot.thing.name, phrases); });
+  return found == home.spots.end() ? nullptr : &*found;
+}
+
+bool asks_for_way_out(const service::Ask& ask, const HomeView& home,
+                      const guide::Phrasebook& phrases) {
+  if (ask.is_way_out) return true;
+  if (ask.is_room || !means_way_out(ask.subject, phrases)) return false;
+  const auto thing =
+      guide::thing_meant(ask.subject, home.things, home.concepts.vocabulary, phrases);
+  return !thing || *thing == guide::kNameOfWayOut;
+}
+
+std::string name_asked_for(const service::Ask& ask) {
+  return ask.is_way_out ? guide::kNameOfWayOut : ask.subject;
 }
 
 bool means_something(const std::string& name, const HomeView& home, const guide::Wording& wording) {
@@ -352,10 +384,15 @@ bool means_something(const std::string& name, const HomeView& home, const guide:
          room_meant(name, home, phrases).has_value();
 }
 
-std::vector<guide::KnownThing> things_asked_for(const service::Ask& ask, const HomeView& home) {
+std::vector<guide::KnownThing> things_asked_for(const service::Ask& ask, const HomeView& home,
+                                                const guide::Phrasebook& phrases) {
+  const bool is_way_out = asks_for_way_out(ask, home, phrases);
   std::vector<guide::KnownThing> things;
   for (const guide::KnownThing& thing : home.things) {
-    if (ask.in_room.empty() || thing.room == ask.in_room) things.push_back(thing);
+    if (!ask.in_room.empty() && thing.room != ask.in_room) continue;
+    if (is_way_out && !means_way_out(thing.name, phrases)) continue;
+    things.push_back(thing);
+    if (is_way_out) things.back().name = guide::kNameOfWayOut;
   }
   return things;
 }
@@ -365,7 +402,8 @@ std::vector<std::string> rooms_to_choose(const service::Ask& ask, const HomeView
                                          const guide::Wording& wording) {
   constexpr std::size_t kMost = 4;  // more are no choice to remember: then it is the nearest
   const bool is_of_thing = ask.question == service::Question::kTakeMeTo && !ask.is_room &&
-                           ask.in_room.empty() && spot_called(ask.subject, home) == nullptr;
+                           !ask.is_way_out && ask.in_room.empty() &&
+                           spot_called(ask.subject, home) == nullptr;
   if (!is_of_thing) return {};
   const auto meant =
       guide::thing_meant(ask.subject, home.things, home.concepts.vocabulary, wording.phrases());
@@ -448,7 +486,7 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
       if (ask.is_room) return HomeAnswers(situation, wording, now_ns).to(ask);
       [[fallthrough]];
     case service::Question::kWayTo:
-      if (spot_called(ask.subject, situation.home) != nullptr) {
+      if (spot_asked_for(ask, situation.home, wording.phrases()) != nullptr) {
         return where_is(ask, situation, wording, now_ns);
       }
       return way_to(ask, situation, wording, now_ns);

@@ -36,8 +36,16 @@ constexpr double kMaxFrameAge_ms = 800;
 // With a place less sure nobody would be brought back within reach of a spot: its standard
 // deviation, m.
 constexpr double kMaxSpotSigma_m = 0.3;
-// The spot that is asked for by this name; null: none.
-[[nodiscard]] const ViewedSpot* spot_called(const std::string& asked, const HomeView& home);
+// The spot that is called so; null: none.
+[[nodiscard]] const ViewedSpot* spot_called(const std::string& name, const HomeView& home);
+// The spot that is asked for: of that name or, where the way out is, one whose name means that.
+[[nodiscard]] const ViewedSpot* spot_asked_for(const service::Ask& ask, const HomeView& home,
+                                               const guide::Phrasebook& phrases);
+// Whether it is the way out: by the protocol's goal, or by a name of it that nothing else has.
+[[nodiscard]] bool asks_for_way_out(const service::Ask& ask, const HomeView& home,
+                                    const guide::Phrasebook& phrases);
+// The name of what is asked for.
+[[nodiscard]] std::string name_asked_for(const service::Ask& ask);
 // Whether a name is one of a thing or a room of the home, as somebody may call it.
 [[nodiscard]] bool means_something(const std::string& name, const HomeView& home,
                                    const guide::Wording& wording);
@@ -52,9 +60,11 @@ constexpr double kMaxSpotSigma_m = 0.3;
                                                        const HomeView& home,
                                                        const guide::UserLocation& location,
                                                        const guide::Wording& wording);
-// Things of the home but those in other rooms than the one that was named.
+// Things of the home but those in other rooms than the one that was named. Where the way out is
+// asked for, those whose name means that ("front door"), by the name kNameOfWayOut.
 [[nodiscard]] std::vector<guide::KnownThing> things_asked_for(const service::Ask& ask,
-                                                              const HomeView& home);
+                                                              const HomeView& home,
+                                                              const guide::Phrasebook& phrases);
 
 // The names of the home's things in the language that is spoken, each once, in order; answer()
 // knows what is meant by them.

@@ -208,9 +208,28 @@ TEST(Answers, ADoorIsWhereRoomsMeet) {
         .text;
   };
   EXPECT_EQ(where(), "The door is at 12 o'clock, 3 metres.");
-  EXPECT_THAT(names_in(home).goals, ::testing::ElementsAre("door"));
+  EXPECT_THAT(names_in(home).goals, ::testing::ElementsAre("door", "way out"));
   home.things = {thing("door", "bedroom", {1, 1, 1})};
   EXPECT_EQ(where(), "The door is at 3 o'clock, 2 metres.") << "one that was found counts";
+}
+
+TEST(Answers, WhoAsksForAWayOutThatNobodyAddedHearsWhoCanAddIt) {
+  HomeView home;
+  const service::SpeakingSettings settings;
+  using service::Question;
+  const auto told = [&](service::Ask ask) {
+    return answer(ask, {home, nullptr, settings, 0}).at(0).text;
+  };
+  const std::string mend = "Nobody told me the way out. Your helper can add it.";
+  for (const auto question : {Question::kWhereIs, Question::kWayTo, Question::kTakeMeTo}) {
+    service::Ask out{1, 0, question, ""};
+    out.is_way_out = true;
+    EXPECT_EQ(told(out), mend);
+    EXPECT_EQ(told({1, 0, question, "exit"}), mend);
+  }
+  home.things = {thing("front door", "hall", {1, 1, 1})};
+  EXPECT_EQ(told({1, 0, Question::kWhereIs, "exit"}), "The way out is in the hall.");
+  EXPECT_EQ(told({1, 0, Question::kWhereIs, "front door"}), "The front door is in the hall.");
 }
 
 TEST(Answers, DirectionsRestOnAPictureAndSayWhatIsAheadNow) {

@@ -68,7 +68,7 @@ Goal goal_of(const ViewedSpot& spot) {
   return goal;
 }
 
-// A spot, a thing of the home, a room, or "door": the nearest one.
+// A spot, the way out, a thing of the home, a room, or "door": the nearest one.
 std::optional<Goal> goal_of(const service::Ask& asked, const HomeView& home,
                             std::span<const rooms::Doorway> doorways, const Situation& situation) {
   const guide::UserLocation location = standing_of(situation.result);
@@ -76,14 +76,15 @@ std::optional<Goal> goal_of(const service::Ask& asked, const HomeView& home,
   const guide::HomeMap map = map_of(home, doorways);
   const guide::Phrasebook& phrases = wording.phrases();
   if (!asked.is_room) {
-    if (const ViewedSpot* const spot = spot_called(asked.subject, home)) return goal_of(*spot);
+    if (const ViewedSpot* const spot = spot_asked_for(asked, home, phrases)) return goal_of(*spot);
+    const auto things = things_asked_for(asked, home, phrases);
     const auto meant =
-        guide::thing_meant(asked.subject, home.things, home.concepts.vocabulary, phrases);
+        guide::thing_meant(name_asked_for(asked), things, home.concepts.vocabulary, phrases);
     std::vector<Goal> goals;
-    for (const guide::KnownThing& thing : home.things) {
-      const bool is_there = asked.in_room.empty() || thing.room == asked.in_room;
-      if (meant && thing.name == *meant && is_there)
-        goals.push_back(Goal::of(thing, situation.today));
+    for (const guide::KnownThing& thing : things) {
+      if (!meant || thing.name != *meant) continue;
+      goals.push_back(Goal::of(thing, situation.today));
+      if (thing.name == guide::kNameOfWayOut) goals.back().kind = Goal::Kind::kWayOut;
     }
     if (auto goal = nearest(std::move(goals), map, location)) return goal;
   }

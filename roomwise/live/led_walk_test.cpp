@@ -129,6 +129,37 @@ TEST_F(LedWalkTest, LeadsToAPlaceThatSomebodyMarked) {
   EXPECT_NEAR(x_m, 2, 0.4);
 }
 
+TEST_F(LedWalkTest, LeadsToTheWayOutByItsGoalAndByAnyNameOfIt) {
+  service::Ask out = ask_for("");
+  out.is_way_out = true;
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  EXPECT_EQ(LedWalk::to(out, home, at(first)), nullptr) << "nobody added one";
+  for (const char* name : {"way out", "front door"}) {
+    home->things[0].name = name;
+    EXPECT_THAT(LedWalk::to(out, home, at(first))->begin(at(first)).text,
+                StartsWith("To the way out: about 4"))
+        << name;
+    EXPECT_NE(LedWalk::to(ask_for("exit"), home, at(first)), nullptr) << name;
+  }
+  settings.language = "de";
+  EXPECT_EQ(LedWalk::to(out, home, at(first)), nullptr) << "no German word";
+  home->things[0].name = "Haustür";
+  EXPECT_THAT(LedWalk::to(out, home, at(first))->begin(at(first)).text, HasSubstr("Ausgang"));
+}
+
+TEST_F(LedWalkTest, AWayOutThatSomebodyMarkedComesFirst) {
+  home->things[0].name = "way out";
+  ViewedSpot& spot = home->spots.emplace_back();
+  spot.stored.name = spot.thing.name = "exit";
+  spot.thing.position_gravity = Eigen::Vector3d(2, 0, 1.3);
+  service::Ask out = ask_for("");
+  out.is_way_out = true;
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(out, home, at(first));
+  ASSERT_NE(led, nullptr);
+  EXPECT_THAT(led->begin(at(first)).text, HasSubstr("about 2 metres"));
+}
+
 TEST(WayBack, IsWhereSomebodyAskedToBeRememberedElseWhereTheySetOut) {
   HomeView home;
   constexpr std::int64_t kNow_s = 1'000'000, kHour_s = 3600;

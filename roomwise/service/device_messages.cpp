@@ -46,6 +46,9 @@ constexpr std::array<Word<GuideWish>, 6> kWishes{{{"pause", GuideWish::kPause},
                                                   {"blocked", GuideWish::kBlocked},
                                                   {"end", GuideWish::kEnd}}};
 
+// What is asked for by no name.
+constexpr std::array<Word<bool>, 1> kGoals{{{"way_out", true}}};
+
 constexpr int kMaxSide_px = 4096;
 
 Expected<DeviceCamera> read_camera(const OrderedJson& json) {
@@ -110,7 +113,6 @@ Expected<DeviceMessage> read_hello(const OrderedJson& json) {
 
 bool asks_for_thing(const Ask& ask) {
   switch (ask.question) {
-    case Question::kWayTo:
     case Question::kWhatIsOn:
     case Question::kNameThing:
     case Question::kForgetThing:
@@ -118,18 +120,17 @@ bool asks_for_thing(const Ask& ask) {
     case Question::kKeepThing:
       return true;
     case Question::kWhereIs:
+    case Question::kWayTo:
     case Question::kTakeMeTo:
-      return !ask.is_room;
+      return !ask.is_room && !ask.is_way_out;
     default:
       return false;
   }
 }
 
-// Where a thing is, of which there may be several.
-bool asks_for_place(const Ask& ask) {
-  return asks_for_thing(ask) &&
-         (ask.question == Question::kWhereIs || ask.question == Question::kWayTo ||
-          ask.question == Question::kTakeMeTo);
+bool asks_for_place(Question question) {
+  return question == Question::kWhereIs || question == Question::kWayTo ||
+         question == Question::kTakeMeTo;
 }
 
 bool asks_for_room(const Ask& ask) {
@@ -147,12 +148,16 @@ Expected<DeviceMessage> read_ask(const OrderedJson& json) {
   ask.id = members.whole("id", 0, std::int64_t{1} << 53U);
   ask.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
   ask.question = members.one_of("question", kQuestions);
+  const bool is_of_place = asks_for_place(ask.question);
+  if (is_of_place && members.has("goal")) ask.is_way_out = members.one_of("goal", kGoals);
+  if (ask.is_way_out) return members.finish<DeviceMessage>(std::move(ask));
   if (ask.question == Question::kTakeMeTo) ask.is_room = members.has("room");
   if (ask.question == Question::kWhereIs)
     ask.is_room = members.has("room") && !members.has("thing");
   if (ask.question == Question::kGuide) ask.wish = members.one_of("wish", kWishes);
   if (asks_for_thing(ask)) ask.subject = members.text("thing");
-  if (asks_for_place(ask) && members.has("in")) ask.in_room = members.text("in");
+  // Of a thing there may be several.
+  if (is_of_place && !ask.is_room && members.has("in")) ask.in_room = members.text("in");
   const bool may_name_room = ask.question == Question::kDescribeRoom && members.has("room");
   if (asks_for_room(ask) || may_name_room) ask.subject = members.text("room");
   if (ask.question == Question::kInWords) ask.subject = members.text("text", kMaxWordsBytes);
@@ -242,7 +247,8 @@ OrderedJson to_json(const Ask& ask) {
                    {"t", ask.t_ms},
                    {"question", word_of(kQuestions, ask.question)}};
   if (asks_for_thing(ask)) json["thing"] = ask.subject;
-  if (asks_for_place(ask) && !ask.in_room.empty()) json["in"] = ask.in_room;
+  if (ask.is_way_out) json["goal"] = word_of(kGoals, true);
+  if (asks_for_thing(ask) && !ask.in_room.empty()) json["in"] = ask.in_room;
   if (ask.is_private) json["private"] = true;
   if (ask.question == Question::kGuide) json["wish"] = word_of(kWishes, ask.wish);
   const bool may_name_room = ask.question == Question::kDescribeRoom && !ask.subject.empty();

@@ -99,6 +99,11 @@ TEST(Messages, QuestionsComeBackWithTheirSubject) {
   EXPECT_EQ(read_back<Ask>(Ask{9, 1, Question::kWayTo, "bed"}).subject, "bed");
   EXPECT_EQ(read_back<Ask>(Ask{9, 1, Question::kTakeMeTo, "bed"}).subject, "bed");
   EXPECT_FALSE(read_back<Ask>(Ask{9, 1, Question::kTakeMeTo, "bed"}).is_room);
+  Ask out{9, 1, Question::kTakeMeTo, ""};
+  out.is_way_out = true;
+  EXPECT_TRUE(read_back<Ask>(out).is_way_out);
+  EXPECT_THAT(error_of(R"({"type":"ask","id":1,"t":0,"question":"where_is","goal":"moon"})"),
+              ::testing::HasSubstr("way_out"));
   const Ask bath = read_back<Ask>(Ask{9, 1, Question::kTakeMeTo, "bath", true});
   EXPECT_EQ(bath.subject, "bath");
   EXPECT_TRUE(bath.is_room);
@@ -165,12 +170,14 @@ TEST(Messages, AreAsTheSchemaSays) {
   hello.version = 1;
   hello.camera = DeviceCamera{640, 480, *geometry::camera_preset("fr1"), true};
   const Seen seen{12.5, "room", "kitchen", 0.98, "", SeenPosition{1, 2, 3, 90, 0.05}};
+  Ask out{8, 1, Question::kTakeMeTo, ""};
+  out.is_way_out = true;
   PromptMessage prompt;
   prompt.answer_to = 7;
   prompt.based_on_t_ms = 1;
   for (const std::string& written :
        {write(DeviceMessage(hello)), write(DeviceMessage(Ask{8, 1, Question::kWhereIs, "bed"})),
-        write(DeviceMessage(Ask{8, 1, Question::kMarkSpot, "my chair"})),
+        write(DeviceMessage(Ask{8, 1, Question::kMarkSpot, "my chair"})), write(DeviceMessage(out)),
         write(DeviceMessage(SettingsChange{"de", Distances::kSteps, 0.6, true})),
         write(DeviceMessage(Quiet{true})), write(HomeMessage(Welcome{})),
         write_home_changed(Welcome{}), write(HomeMessage(FrameArrived{})), write(HomeMessage(seen)),

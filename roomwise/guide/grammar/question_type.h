@@ -14,6 +14,7 @@ enum class QuestionType {
   kWhereIs,
   kWayTo,
   kTakeMeTo,
+  kTakeMeOut,  // of the home
   kWhatIsOn,
   kWhatIsIn,
   kWhichRooms,
@@ -45,12 +46,13 @@ enum class QuestionType {
 };
 
 // As catalogues call them.
-constexpr std::array<std::pair<std::string_view, QuestionType>, 33> kQuestionTypes{
+constexpr std::array<std::pair<std::string_view, QuestionType>, 34> kQuestionTypes{
     {{"where_am_i", QuestionType::kWhereAmI},
      {"around_me", QuestionType::kAroundMe},
      {"where_is", QuestionType::kWhereIs},
      {"way_to", QuestionType::kWayTo},
      {"take_me_to", QuestionType::kTakeMeTo},
+     {"take_me_out", QuestionType::kTakeMeOut},
      {"what_is_on", QuestionType::kWhatIsOn},
      {"what_is_in", QuestionType::kWhatIsIn},
      {"which_rooms", QuestionType::kWhichRooms},

@@ -107,6 +107,43 @@ TEST(UnderstandTest, QuestionsInEnglish) {
   EXPECT_EQ(english("stop"), "end");
 }
 
+TEST(UnderstandTest, TheWayOutIsAskedForWithoutANameInEveryLanguage) {
+  const auto means_out = [](const std::string& language, const std::string& text) {
+    EXPECT_EQ(told(hear(text, language)), "take_me_out") << text;
+  };
+  for (const char* text : {"take me out", "How do I get out of here?", "I want to go outside",
+                           "I need to get out of the flat", "which way is out"}) {
+    means_out("en", text);
+  }
+  for (const char* text : {"Bring mich raus!", "wie komme ich hier raus", "Ich möchte nach draußen",
+                           "Wo geht es hinaus?", "können Sie mich hinausführen"}) {
+    means_out("de", text);
+  }
+  for (const char* text : {"sácame de aquí", "¿Cómo salgo?", "quiero salir a la calle",
+                           "¿Por dónde se sale?", "llévame fuera"}) {
+    means_out("es", text);
+  }
+  for (const char* text : {"emmène-moi dehors", "Comment sortir d'ici ?", "je voudrais sortir",
+                           "par où sort-on", "faites-moi sortir"}) {
+    means_out("fr", text);
+  }
+}
+
+TEST(UnderstandTest, TheWayOutHasNamesInEveryLanguage) {
+  HomeNames home = some_home();
+  home.goals.emplace_back("way out");
+  const auto leads_out = [&](const std::string& language, const std::string& text) {
+    EXPECT_EQ(told(understand(text, catalogue().in(language), home)), "take_me_to way out") << text;
+  };
+  leads_out("en", "Take me to the way out");
+  leads_out("en", "bring me to the exit");
+  leads_out("en", "how do I get to the front door");
+  leads_out("de", "Bring mich zum Ausgang");
+  leads_out("de", "führe mich zur Haustür");
+  leads_out("es", "llévame a la salida");
+  leads_out("fr", "emmène-moi à la sortie");
+}
+
 TEST(UnderstandTest, QuestionsInGerman) {
   EXPECT_EQ(german("Wo habe ich denn meine Tasse hingestellt?"), "where_is cup");
   EXPECT_EQ(german("Bring mich bitte zum Klo!"), "take_me_to toilet");

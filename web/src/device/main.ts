@@ -127,10 +127,10 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
     quiet: () => phone.setQuiet(!phone.state.quiet),
     find: () => openChoice({
       title: text('find.title'), label: text('find.label'), go: text('find.go'), missing: text('find.missing'),
-    }, [...phone.state.spots, ...phone.state.things], (thing) => phone.ask({ question: 'where_is', thing })),
+    }, phone.findable, (thing) => phone.whereIs(thing)),
     take: () => openChoice({
       title: text('take.title'), label: text('take.label'), go: text('take.go'), missing: text('take.missing'),
-    }, [...phone.state.spots, ...phone.state.rooms, ...phone.state.things], (goal) => phone.takeMeTo(goal)),
+    }, phone.goals, (goal) => phone.takeMeTo(goal)),
     spots: () => openSpots(phone.state.spots, {
       mark: (spot) => phone.ask({ question: 'mark_spot', ...(spot === '' ? {} : { spot }) }),
       back: () => phone.takeMeBack(),

@@ -5,7 +5,7 @@ import {
   kProtocolVersion, type FromComputer, type Hello, type Job, type Me, type Priority, type Prompt, type Question, type RecordingState, type Welcome,
 } from '../shared/protocol';
 import type { Session } from '../shared/session';
-import type { SpokenKey } from '../shared/spoken';
+import { wayOut, type SpokenKey } from '../shared/spoken';
 import { language, text } from '../shared/texts';
 import { AnswerWatch } from './answer_watch';
 import { CameraWatch, type CameraNews } from './camera_watch';
@@ -19,7 +19,8 @@ import type { PromptPlayer } from './prompt_player';
 import type { Settings } from './settings';
 
 // After these the guide has nothing more to do, but for how high to reach.
-const kEndsOfGuidance = ['guide.there', 'guide.ended', 'guide.near_end', 'guide.not_running', 'where.unknown', 'spot.no_way_back'];
+const kEndsOfGuidance = ['guide.there', 'guide.ended', 'guide.near_end', 'guide.not_running', 'where.unknown', 'where.no_way_out',
+  'spot.no_way_back'];
 
 // Whether somebody shows a thing to the camera, and whether enough of it was seen to name it.
 export type Teaching = 'no' | 'showing' | 'shown';
@@ -115,8 +116,27 @@ export class Phone {
 
   takeMeTo(goal: string): void {
     this.state.led = true;
-    this.ask(this.state.rooms.includes(goal) ? { question: 'take_me_to', room: goal } : { question: 'take_me_to', thing: goal });
+    if (goal === wayOut(language())) {
+      this.ask({ question: 'take_me_to', goal: 'way_out' });
+    } else {
+      this.ask(this.state.rooms.includes(goal) ? { question: 'take_me_to', room: goal } : { question: 'take_me_to', thing: goal });
+    }
     this.changed();
+  }
+
+  whereIs(thing: string): void {
+    this.ask(thing === wayOut(language()) ? { question: 'where_is', goal: 'way_out' } : { question: 'where_is', thing });
+  }
+
+  // What one may be led to: the way out always, as who asks where none is known hears who can add it.
+  get goals(): string[] {
+    const { spots, rooms, things } = this.state;
+    return [...new Set([...spots, wayOut(language()), ...rooms, ...things])];
+  }
+
+  get findable(): string[] {
+    const { spots, things } = this.state;
+    return [...new Set([...spots, wayOut(language()), ...things])];
   }
 
   takeMeBack(): void {

@@ -159,6 +159,7 @@ export type Question =
   | { question: 'where_is'; thing: string }
   | { question: 'take_me_to'; thing: string } // or what else the computer knows by that name
   | { question: 'take_me_to'; room: string }
+  | { question: 'take_me_to' | 'where_is'; goal: 'way_out' }
   | { question: 'guide'; wish: GuideWish }
   | { question: 'name_room'; room: string }
   | { question: 'mark_spot' | 'forget_spot'; spot?: string }

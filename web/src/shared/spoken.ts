@@ -1,9 +1,10 @@
-// What the phone says by itself, since the computer cannot: of its camera, and that the computer is gone. The words are
+// What the phone says by itself, since the computer cannot: of its camera, and that the computer is gone; and
+// what it calls the way out. The words are
 // those of the guide's catalogues, so that phone and computer speak alike.
-import { messages as de } from '../../../roomwise/guide/messages/de.json';
-import { messages as en } from '../../../roomwise/guide/messages/en.json';
-import { messages as es } from '../../../roomwise/guide/messages/es.json';
-import { messages as fr } from '../../../roomwise/guide/messages/fr.json';
+import { goals as deGoals, messages as de } from '../../../roomwise/guide/messages/de.json';
+import { goals as enGoals, messages as en } from '../../../roomwise/guide/messages/en.json';
+import { goals as esGoals, messages as es } from '../../../roomwise/guide/messages/es.json';
+import { goals as frGoals, messages as fr } from '../../../roomwise/guide/messages/fr.json';
 import type { Language } from './protocol';
 
 export type SpokenKey = Extract<keyof typeof en, `device.${string}`>;
@@ -12,4 +13,11 @@ const catalogues: Record<Language, Record<SpokenKey, string>> = { en, de, es, fr
 
 export function spoken(language: Language, key: SpokenKey): string {
   return catalogues[language][key];
+}
+
+const goals = { en: enGoals, de: deGoals, es: esGoals, fr: frGoals };
+
+// What the way out is called.
+export function wayOut(language: Language): string {
+  return goals[language]['way out'].name;
 }

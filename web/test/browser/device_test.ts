@@ -251,6 +251,20 @@ test('places: one is marked with a name or without, gone back to, renamed, forgo
   await visit.close();
 }));
 
+test('the way out is on the lists of what to find and where to be led, and asked for as itself', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: recordSpeech });
+  await start(visit, 'reader');
+  await visit.press('Take me…');
+  await visit.press('way out');
+  assert.equal(await visit.page.$eval('.guide', (guide) => guide.checkVisibility()), true, 'is led');
+  await visit.press('Find…');
+  await visit.press('way out');
+  await gets(() => server.newest('device').asked.map((one) => [one['question'], one['goal'], one['thing']]), [
+    ['take_me_to', 'way_out', undefined], ['where_is', 'way_out', undefined],
+  ]);
+  await visit.close();
+}));
+
 test('a question in one\'s own words, typed; whoever asks for a way is led', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'device', size: kPhone, before: recordSpeech });
   await start(visit, 'reader');
