@@ -289,6 +289,7 @@ Expected<void> LiveHome::change(const std::function<Expected<void>(home::Home&)>
   const std::scoped_lock one_by_one(changes_mutex_);
   const std::unique_lock lock(home_mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return fail("the computer is busy; wait until it is done, or stop it");
+  store_own_sightings(std::numeric_limits<std::int64_t>::max());  // rooms may be called otherwise
   ROOMWISE_CHECK_OK(watched("a change", change(home_)));
   make_up_for_erasing(home_);
   return refresh(view()->map);

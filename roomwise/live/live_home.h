@@ -206,6 +206,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   void note_own_things(const FrameResult& result);
   // Into the home those of things that were written then, or before, last; unless a job writes it.
   void write_own_sightings(std::int64_t before_s);
+  void store_own_sightings(std::int64_t before_s);
   // Whether it is looked for from now on.
   [[nodiscard]] Expected<bool> teach_now(const home::OwnThing& thing,
                                          const std::vector<objects::ShownThing>& shown,

@@ -87,18 +87,25 @@ std::map<home::OwnThingId, OwnSighting> due_sightings(
 }
 
 void LiveHome::write_own_sightings(std::int64_t before_s) {
-  const auto due_now = [&] {
+  {
     const std::scoped_lock lock(view_mutex_);
-    return due_sightings(own_sightings_, before_s);
-  };
-  if (due_now().empty()) return;
+    if (due_sightings(own_sightings_, before_s).empty()) return;
+  }
   // Helpers' changes wait for this one as for each other; else they would be refused.
   const std::unique_lock one_by_one(changes_mutex_, std::try_to_lock);
   if (!one_by_one.owns_lock()) return;  // the next sighting, or the end, tries again
   const std::unique_lock home_lock(home_mutex_, std::try_to_lock);
   if (!home_lock.owns_lock()) return;  // a job writes: the same
+  store_own_sightings(before_s);
+}
+
+// With home_mutex_ held.
+void LiveHome::store_own_sightings(std::int64_t before_s) {
   const auto now = view();
-  const auto due = due_now();  // another thread may have written some
+  const auto due = [&] {
+    const std::scoped_lock lock(view_mutex_);
+    return due_sightings(own_sightings_, before_s);
+  }();
   for (const auto& [id, sighting] : due) {
     home::OwnThingSighting stored{sighting.seen_s, sighting.room, std::nullopt, std::nullopt};
     if (sighting.place_gravity) {

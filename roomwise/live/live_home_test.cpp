@@ -958,6 +958,27 @@ TEST_F(LiveHomeTest, APlaceIsMarkedLedToToldToItsOwnerAloneAndForgotten) {
   EXPECT_THAT(bytes_of_home(), Not(HasSubstr("my throne")));
 }
 
+TEST_F(LiveHomeTest, AThingWasSeenInTheRoomAsAHelperCallsItNow) {
+  {
+    home::Home made = pipeline::create_home(file, {}).value();
+    ASSERT_OK(made.replace_rooms(std::array{rooms::Room{"kitchen", "kitchen"}}));
+    const auto mug =
+        made.add_own_thing({.name = "my mug", .owner = "7"},
+                           std::vector<objects::TaughtView>{{Bytes(9, 1), Bytes(9, 1)}});
+    ASSERT_OK(mug);
+    ASSERT_OK(made.put_own_thing_sighting(*mug, {1'753'000'000, "kitchen", {}, {}}));
+  }
+  open();
+  const auto seen_in = [&] {
+    return home->view_for({7, "client", service::Role::kDevice})->things.at(0).room;
+  };
+  EXPECT_EQ(seen_in(), "kitchen");
+  ASSERT_OK(home->change_room("kitchen", "galley", {}));
+  EXPECT_EQ(seen_in(), "galley");
+  ASSERT_OK(home->undo(home->view()->edits.front().edit.id));
+  EXPECT_EQ(seen_in(), "kitchen");
+}
+
 TEST_F(LiveHomeTest, AThingIsForgottenAlsoWhereItsBytesCannotBeErasedNow) {
   {
     home::Home made = pipeline::create_home(file, {}).value();

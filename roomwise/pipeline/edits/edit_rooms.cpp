@@ -312,6 +312,8 @@ Expected<home::EditId> join_rooms(home::Home& home, const EditAuthor& author,
       ROOMWISE_CHECK_OK(home.replace_room_ranges(recording, ranges));
     }
     ROOMWISE_CHECK_OK(move_object_claims(home, joined, kept));
+    // By an undo they stay in the whole room: which of the two it was is not kept.
+    ROOMWISE_CHECK_OK(rename_where_seen(home, joined, kept));
     ROOMWISE_TRY(auto rooms, home.rooms());
     std::erase_if(rooms, [&](const rooms::Room& one) { return one.name == joined; });
     return home.replace_rooms(rooms);

@@ -108,6 +108,25 @@ TEST_F(RoomEdits, ARoomThatIsRenamedKeepsItsTypeWhateverItIs) {
   EXPECT_EQ(room_at(1), "Anna's realm");
 }
 
+TEST_F(RoomEdits, AThingThatSomebodyTaughtWasSeenInTheRoomAsItIsCalledNow) {
+  const home::OwnThingId mug =
+      home_
+          ->add_own_thing({.name = "my mug", .owner = "7"},
+                          std::vector<objects::TaughtView>{{Bytes(9, 1), Bytes(9, 1)}})
+          .value();
+  ASSERT_OK(home_->put_own_thing_sighting(mug, {1'753'000'000, "kitchen", {}, {}}));
+  const auto seen = [&] { return home_->own_things()->at(0).last_seen; };
+  ASSERT_OK(rename_room(*home_, kAnna, "bedroom", "den"));
+  EXPECT_EQ(seen().room, "kitchen") << "another room";
+  ASSERT_OK(rename_room(*home_, kAnna, "kitchen", "galley"));
+  EXPECT_EQ(seen().room, "galley");
+  EXPECT_EQ(seen().seen_s, 1'753'000'000) << "it was seen when it was";
+  undo();
+  EXPECT_EQ(seen().room, "kitchen");
+  ASSERT_OK(join_rooms(*home_, kAnna, "den", "kitchen"));
+  EXPECT_EQ(seen().room, "den");
+}
+
 TEST_F(RoomEdits, ARoomRenamedByNamingItsFramesAnewIsTheSameRoom) {
   ASSERT_OK(set_room_type(*home_, kAnna, "kitchen", "scullery"));
   ASSERT_OK(store_object_claims(*home_, {{"kettle", "kitchen", true}}));

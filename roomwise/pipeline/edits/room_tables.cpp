@@ -204,8 +204,21 @@ Expected<void> change_room_name(home::Home& home, const std::string& name,
   }
   ROOMWISE_CHECK_OK(rename_in_classifier(home, name, new_name));
   ROOMWISE_CHECK_OK(move_object_claims(home, name, new_name));
+  ROOMWISE_CHECK_OK(rename_where_seen(home, name, new_name));
   std::erase_if(rooms, [&](const rooms::Room& one) { return one.name == name; });
   return home.replace_rooms(rooms);
+}
+
+Expected<void> rename_where_seen(home::Home& home, const std::string& name,
+                                 const std::string& new_name) {
+  ROOMWISE_TRY(const auto things, home.own_things());
+  for (const home::OwnThing& thing : things) {
+    home::OwnThingSighting seen = thing.last_seen;
+    if (seen.room != name) continue;
+    seen.room = new_name;
+    ROOMWISE_CHECK_OK(home.put_own_thing_sighting(thing.id, seen));
+  }
+  return {};
 }
 
 }  // namespace roomwise::pipeline

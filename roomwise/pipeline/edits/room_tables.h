@@ -23,7 +23,11 @@ struct RoomTables {
 // would go.
 [[nodiscard]] Expected<void> restore_tables(home::Home& home, const std::string& changed);
 
-// A room's name wherever the home has it: list, ranges, claims, and what was learned.
+// A room's name wherever the home has it: list, ranges, claims, what was learned, and where
+// people's own things were seen.
 [[nodiscard]] Expected<void> change_room_name(home::Home& home, const std::string& name,
                                               const std::string& new_name);
+// The name of the room in which people's own things were seen last.
+[[nodiscard]] Expected<void> rename_where_seen(home::Home& home, const std::string& name,
+                                               const std::string& new_name);
 }  // namespace roomwise::pipeline
