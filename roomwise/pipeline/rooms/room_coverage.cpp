@@ -4,12 +4,14 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <span>
 #include <utility>
 
 #include "roomwise/pipeline/rooms/home_layout.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"
+#include "roomwise/rooms/recognition/room_classifier.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -141,6 +143,26 @@ Expected<std::vector<RoomSeen>> rooms_by_walk(const home::Home& home,
   return seen;
 }
 
+// How many pictures each room was learned from.
+Expected<void> add_learned(const home::Home& home, std::vector<RoomSeen>& seen) {
+  ROOMWISE_TRY(const auto record, home.room_classifier());
+  if (!record) return {};
+  // One that cannot be read is learned anew, and counts for nothing.
+  const auto classifier = rooms::RoomClassifier::from_bytes(record->classifier);
+  if (!classifier) return {};
+  const rooms::RoomGallery& gallery = classifier->retrieval().gallery;
+  std::map<int, std::set<int>> pictures_of;  // by room; a picture has rows for its variants, too
+  for (std::size_t row = 0; row < gallery.room().size(); ++row) {
+    pictures_of[gallery.room()[row]].insert(gallery.picture()[row]);
+  }
+  for (const auto& [number, pictures] : pictures_of) {
+    const std::string& name = classifier->rooms().at(static_cast<std::size_t>(number));
+    const auto room = std::ranges::find(seen, name, &RoomSeen::room);
+    if (room != seen.end()) room->learned_pictures = pictures.size();
+  }
+  return {};
+}
+
 constexpr std::array<std::pair<Missing, std::string_view>, 7> kMissing{
     {{Missing::kJoin, "join"},
      {Missing::kNames, "names"},
@@ -167,6 +189,10 @@ std::size_t RoomSeen::pictures() const {
   std::size_t pictures = 0;
   for (const RoomOnWalk& walk : walks) pictures += walk.pictures;
   return pictures;
+}
+
+bool RoomSeen::is_shown_whole() const {
+  return std::ranges::any_of(walks, [](const RoomOnWalk& walk) { return walk.pictures == 0; });
 }
 
 std::optional<bool> RoomSeen::by_several_lights() const {
@@ -209,6 +235,7 @@ Expected<RoomCoverage> find_room_coverage(const home::Home& home, const Coverage
         })));
   }
   ROOMWISE_TRY(coverage.rooms, rooms_by_walk(home, coverage.walks, keyframes, room_of));
+  ROOMWISE_CHECK_OK(add_learned(home, coverage.rooms));
   if (!home.is_locked()) {
     ROOMWISE_CHECK_OK(add_lights(home, keyframes, room_of, coverage.rooms, known, run));
   }
@@ -242,10 +269,12 @@ std::vector<CoverageItem> missing_items(const RoomCoverage& coverage,
   }
   for (const RoomSeen& room : coverage.rooms) {
     const std::size_t pictures = room.pictures();
-    if (pictures < options.learning.comfortable_pictures) {
-      items.push_back(
-          {pictures < options.learning.min_pictures ? Missing::kPictures : Missing::kMorePictures,
-           room.room, std::nullopt, pictures, std::nullopt});
+    const std::size_t comfortable = options.learning.comfortable_pictures;
+    if (pictures < options.learning.min_pictures) {
+      items.push_back({Missing::kPictures, room.room, std::nullopt, pictures, std::nullopt});
+    } else if (pictures < comfortable && room.learned_pictures < comfortable &&
+               !room.is_shown_whole()) {
+      items.push_back({Missing::kMorePictures, room.room, std::nullopt, pictures, std::nullopt});
     }
     if (room.walks.size() == 1) {
       items.push_back(

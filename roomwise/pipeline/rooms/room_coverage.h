@@ -49,8 +49,12 @@ struct RoomOnWalk {
 struct RoomSeen {
   std::string room;
   std::vector<RoomOnWalk> walks;  // as they were mapped
+  // That it was learned from, photos and what was culled since among them; 0: it was not.
+  std::size_t learned_pictures = 0;
 
   [[nodiscard]] std::size_t pictures() const;
+  // Whether a walk through it brought no picture that was kept: in that light the map has it all.
+  [[nodiscard]] bool is_shown_whole() const;
   // Whether two walks saw it by different light; absent where that is not known.
   [[nodiscard]] std::optional<bool> by_several_lights() const;
 };

@@ -50,6 +50,19 @@ TEST(RoomCoverages, AWalkWhosePicturesWereCulledIsNotAskedForAgain) {
   EXPECT_THAT(words(coverage), ElementsAre("bath: other light"));
 }
 
+TEST(RoomCoverages, ARoomThatFurtherPicturesWouldShowNothingNewOfIsNotAskedForMore) {
+  RoomCoverage coverage;
+  const RoomOnWalk by_day = on_walk(1, 12, light(0.6, 0.1)),
+                   by_night = on_walk(2, 4, light(0.3, 0.1));
+  coverage.rooms = {{"bath", {by_day, by_night, on_walk(3, 0)}},
+                    {"hall", {by_day, by_night}, 31},
+                    {"loft", {on_walk(1, 4, light(0.6, 0.1)), on_walk(3, 0)}, 31},
+                    {"study", {by_day, by_night}, 19}};
+  EXPECT_THAT(words(coverage),
+              ElementsAre("loft: pictures", "study: more pictures", "loft: other light"))
+      << "learning anew needs some in any case";
+}
+
 TEST(RoomCoverages, SayWhatEachRoomLacks) {
   RoomCoverage coverage;
   coverage.rooms = {{"bath", {on_walk(1, 30, light(0.6, 0.1)), on_walk(2, 30, light(0.6, 0.1))}},
