@@ -29,6 +29,38 @@ const char* ending_of(std::span<const std::uint8_t> picture) {
 
 }  // namespace
 
+Expected<void> PhotoLimits::validate() const {
+  if (max_bytes == 0) return fail("max_bytes = 0 takes no photo");
+  if (!free_bytes) return fail("free_bytes is missing: nobody says how full the disk is");
+  return {};
+}
+
+// With the lock held.
+Expected<void> RoomPhotos::check_room_for(std::uint64_t bytes) const {
+  ROOMWISE_CHECK_OK(limits_.validate());
+  constexpr std::uint64_t kMegabyte = 1'000'000;
+  std::error_code error;
+  std::uint64_t taken = 0;
+  for (const auto& file : fs::recursive_directory_iterator(folder_, error)) {
+    const std::uintmax_t size = file.is_regular_file(error) ? file.file_size(error) : 0;
+    if (!error) taken += size;
+  }
+  if (taken + bytes > limits_.max_bytes) {
+    return fail_with(ErrorCode::kDiskFull,
+                     "the photos of this home take {} MB, and {} MB are kept for them; take photos "
+                     "of a room away that was learned by a walk, then try again",
+                     taken / kMegabyte, limits_.max_bytes / kMegabyte);
+  }
+  ROOMWISE_TRY(const std::uint64_t free, limits_.free_bytes(folder_));
+  if (free < limits_.reserve_bytes + bytes) {
+    return fail_with(ErrorCode::kDiskFull,
+                     "the computer's disk is nearly full: {} MB are free, of which {} MB stay so; "
+                     "free some space, then try again",
+                     free / kMegabyte, limits_.reserve_bytes / kMegabyte);
+  }
+  return {};
+}
+
 // The folder whose name file says so. A new one is called by a digest, since a room's name may be
 // longer than a file's, and hold a slash; a room that was renamed keeps the folder it had.
 fs::path RoomPhotos::folder_of(const std::string& room) const {
@@ -109,15 +141,16 @@ Expected<std::size_t> RoomPhotos::add(const std::string& room,
     return fail("there are photos of {} rooms; no more are taken", rooms.size());
   }
   const fs::path folder = folder_of(room);
+  const fs::path file = folder / (digest_of(picture) + ending_of(picture));
   std::error_code error;
+  if (fs::exists(file, error)) return of_room;
+  ROOMWISE_CHECK_OK(check_room_for(picture.size()));
   fs::create_directories(folder, error);
   if (error) return fail("{}: cannot be made: {}", folder.string(), error.message());
   fs::permissions(folder_, fs::perms::owner_all, error);  // pictures of a home
   ROOMWISE_CHECK_OK(write_file(folder / kNameFile, room));
-  const fs::path file = folder / (digest_of(picture) + ending_of(picture));
-  const bool is_new = !fs::exists(file, error);
   ROOMWISE_CHECK_OK(write_file(file, picture));
-  return of_room + (is_new ? 1 : 0);
+  return of_room + 1;
 }
 
 Expected<void> RoomPhotos::rename(const std::string& room, const std::string& new_name) {

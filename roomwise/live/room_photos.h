@@ -7,9 +7,19 @@
 #include <string>
 #include <vector>
 
+#include "roomwise/live/disk_room.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 
 namespace roomwise::live {
+
+// How much of the disk photos take.
+struct PhotoLimits {
+  std::uint64_t max_bytes = std::uint64_t{4} << 30U;      // of all, those set aside among them
+  std::uint64_t reserve_bytes = std::uint64_t{1} << 30U;  // of the disk, that stay free
+  FreeBytes free_bytes = free_bytes_at;
+
+  [[nodiscard]] Expected<void> validate() const;
+};
 
 // Photos of rooms, by which a home can be begun before anybody walked through it, kept as files so
 // that rooms can be learned anew when another is added. Thread-safe.
@@ -29,10 +39,12 @@ class RoomPhotos {
   };
 
   // `folder` is made with the first photo.
-  explicit RoomPhotos(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  explicit RoomPhotos(std::filesystem::path folder, PhotoLimits limits = {})
+      : folder_(std::move(folder)), limits_(std::move(limits)) {}
 
   // How many photos of the room there are now; one that is there already is not counted again.
-  // Fails on what is no picture or a tiny one, and where there are enough.
+  // Fails on what is no picture or a tiny one, and where there are enough; by kDiskFull, with the
+  // mend, where photos or the disk leave no room for it.
   [[nodiscard]] Expected<std::size_t> add(const std::string& room,
                                           std::span<const std::uint8_t> picture);
   [[nodiscard]] Expected<std::vector<Count>> counts() const;             // by room
@@ -54,8 +66,10 @@ class RoomPhotos {
   [[nodiscard]] std::filesystem::path folder_of(const std::string& room) const;
   [[nodiscard]] std::vector<std::filesystem::path> folders_set_aside() const;
   [[nodiscard]] Expected<std::vector<pipeline::RoomPhoto>> read_all() const;
+  [[nodiscard]] Expected<void> check_room_for(std::uint64_t bytes) const;
 
   std::filesystem::path folder_;
+  PhotoLimits limits_;
   mutable std::mutex mutex_;
 };
 

@@ -40,6 +40,32 @@ TEST_F(RoomPhotosFolder, WhatIsNoPhotoIsRefused) {
   EXPECT_THAT(photos.counts().value(), IsEmpty());
 }
 
+TEST_F(RoomPhotosFolder, TakeNoMoreOfTheDiskThanIsKeptForThem) {
+  const std::uint64_t one = photo(1).size();
+  RoomPhotos few(folder / "few", {.max_bytes = 2 * one + 100, .reserve_bytes = 0});
+  ASSERT_OK(few.add("kitchen", photo(1)));
+  ASSERT_OK(few.add("hall", photo(2)));
+  ASSERT_OK(few.set_aside("hall"));
+  const auto third = few.add("kitchen", photo(3));
+  EXPECT_ERROR(third, "take photos of a room away");
+  EXPECT_EQ(third.error().code, ErrorCode::kDiskFull);
+  EXPECT_EQ(few.add("kitchen", photo(1)).value(), 1U) << "it is there";
+  EXPECT_EQ(few.all()->size(), 1U) << "nothing is left of what was refused";
+  ASSERT_OK(few.forget_set_aside());
+  EXPECT_EQ(few.add("kitchen", photo(3)).value(), 2U);
+}
+
+TEST_F(RoomPhotosFolder, LeaveSomeOfTheDiskFree) {
+  std::uint64_t free = 1'000'000;
+  RoomPhotos careful(folder / "careful", {.reserve_bytes = 900'000, .free_bytes = [&](const auto&) {
+                                            return Expected<std::uint64_t>(free);
+                                          }});
+  EXPECT_EQ(careful.add("kitchen", photo(1)).value(), 1U);
+  free = 900'001;
+  EXPECT_ERROR(careful.add("kitchen", photo(2)), "free some space");
+  EXPECT_EQ(careful.all()->size(), 1U);
+}
+
 TEST_F(RoomPhotosFolder, AreRenamedAndRemovedWithTheirRoom) {
   EXPECT_TRUE(photos.add("kitchen", photo(1)));
   EXPECT_TRUE(photos.add("hall", photo(2)));

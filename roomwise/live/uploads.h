@@ -11,6 +11,7 @@
 
 #include "roomwise/base/expected.h"
 #include "roomwise/base/file.h"
+#include "roomwise/live/disk_room.h"
 
 namespace roomwise::live {
 
@@ -19,7 +20,7 @@ struct UploadLimits {
   std::size_t max_uploads = 4;                            // that wait at once, complete or not
   std::uint64_t reserve_bytes = std::uint64_t{1} << 30U;  // of the disk, that stay free
   // How many bytes are free where a file lies.
-  std::function<Expected<std::uint64_t>(const std::filesystem::path&)> free_bytes = {};
+  FreeBytes free_bytes = {};  // none: free_bytes_at()
 
   [[nodiscard]] Expected<void> validate() const;
 };
