@@ -249,6 +249,10 @@ Json keyframes_json(const HomeView& view) {
            {"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}},
            {"room", one.room.empty() ? Json(nullptr) : Json(one.room)},
            {"recording", one.keyframe.recording}});
+      const fusion::Storeys& storeys = view.map->frame.storeys;
+      if (storeys.are_several()) {
+        keyframes.back()["storey"] = storeys.at_height(gravity_from_keyframe.translation.z());
+      }
     }
   }
   return {{"keyframes", keyframes}};

@@ -20,5 +20,26 @@ TEST(HomeJson, TellsWhatTheNewestWalkChanged) {
   EXPECT_TRUE(changes.at("things")[1].at("room").is_null());
 }
 
+TEST(HomeJson, TellsOnWhichStoreyAKeyFrameIs) {
+  HomeView view;
+  for (const double height_m : {1.3, 4.1}) {
+    ViewedKeyframe& one = view.keyframes.emplace_back();
+    one.on_map = true;
+    one.keyframe.pose.world_from_keyframe.translation = {1, 2, height_m};
+  }
+  LiveMap map;
+  view.map = std::make_shared<const LiveMap>(map);
+  EXPECT_FALSE(keyframes_json(view).at("keyframes")[0].contains("storey")) << "there is one";
+  fusion::Storey upper;
+  upper.floor_m = 2.8;
+  upper.plan_from_x_m = 10;
+  map.frame.storeys = fusion::Storeys({fusion::Storey{}, upper});
+  view.map = std::make_shared<const LiveMap>(std::move(map));
+  const Json keyframes = keyframes_json(view).at("keyframes");
+  EXPECT_EQ(keyframes[0].at("storey"), 0);
+  EXPECT_EQ(keyframes[1].at("storey"), 1);
+  EXPECT_EQ(keyframes[1].at("position"), Json({1, 2, 4.1})) << "in space, as the cloud";
+}
+
 }  // namespace
 }  // namespace roomwise::live

@@ -9,10 +9,13 @@ export function keyframeAddress(id: number): string {
   return at(`/api/keyframes/${id}/picture`);
 }
 
-// `walk`: its name; `time_s`: since it began.
-export function keyframePicture({ id, walk, time_s, room }: { id: number; walk: string; time_s: number; room: string | null }): HTMLElement {
+// `walk`: its name; `time_s`: since it began; `storey`: of a home of several.
+export function keyframePicture({ id, walk, time_s, room, storey }: {
+  id: number; walk: string; time_s: number; room: string | null; storey?: number | undefined;
+}): HTMLElement {
   const values = { walk, time: formatMoment(time_s) };
-  const caption = room ? text('picture.of_room', { ...values, room }) : text('picture.of_no_room', values);
+  const taken = room ? text('picture.of_room', { ...values, room }) : text('picture.of_no_room', values);
+  const caption = storey === undefined ? taken : text('picture.on_storey', { picture: taken, number: storey + 1 });
   return h('figure', {}, h('img', { src: keyframeAddress(id), alt: '' }), h('figcaption', {}, caption));
 }
 

@@ -327,6 +327,7 @@ export interface Keyframe {
   rotation_xyzw: [number, number, number, number];
   room: string | null;
   recording: number;
+  storey?: number; // of a home of several, from the lowest on
 }
 
 export interface Device {
