@@ -44,7 +44,7 @@ class JoinChecker {
         of_b.insert(other.b);
       }
       const bool is_enough =
-          agreeing.size() >= options_.min_agreeing && of_a.size() > 1 && of_b.size() > 1;
+          agreeing.size() >= options_.min_agreeing_edges && of_a.size() > 1 && of_b.size() > 1;
       if (is_enough && agreeing.size() > best.size()) best = std::move(agreeing);
     }
     return best;
@@ -70,13 +70,100 @@ class JoinChecker {
   const WalkJoinOptions& options_;
 };
 
+// Key-frames of one part that may show what another shows, and what comparing them tells.
+class ViewJudge {
+ public:
+  ViewJudge(const MapSolution& solution, const CompareDepths& compare,
+            const WalkJoinOptions& options)
+      : poses_(solution.world_from_keyframe), compare_(compare), options_(options) {}
+
+  // Whether their views say that two parts are different places.
+  [[nodiscard]] Expected<bool> contradicts(std::span<const KeyframeId> one,
+                                           std::span<const KeyframeId> other) const {
+    if (other.size() < one.size()) std::swap(one, other);
+    Shared shared;
+    for (const auto& [id, nearest] : compared(one, other)) {
+      for (const KeyframeId near : nearest) {
+        // Both ways round: what hides something looks the other way like what is seen through.
+        ROOMWISE_CHECK_OK(shared.add(agreement(id, near)));
+        ROOMWISE_CHECK_OK(shared.add(agreement(near, id)));
+      }
+    }
+    return shared.most >= options_.min_overlap &&
+           (shared.agreeing < options_.min_agreeing * shared.overlap ||
+            shared.seen_through > options_.max_seen_through * shared.overlap);
+  }
+
+ private:
+  // Sums over pairs of views, each by its overlap.
+  struct Shared {
+    double most = 0, overlap = 0, agreeing = 0, seen_through = 0;
+
+    [[nodiscard]] Expected<void> add(const Expected<motion::ViewAgreement>& pair) {
+      if (!pair) return Unexpected(pair.error());
+      most = std::max(most, pair->overlap);
+      overlap += pair->overlap;
+      agreeing += pair->overlap * pair->agreeing;
+      seen_through += pair->overlap * pair->seen_through;
+      return {};
+    }
+  };
+
+  [[nodiscard]] Expected<motion::ViewAgreement> agreement(KeyframeId reference,
+                                                          KeyframeId current) const {
+    return compare_(reference, current, poses_[reference].inverse() * poses_[current]);
+  }
+
+  // Those of `other` that may show the same as the key-frame, the nearest first; a metre counts as
+  // a radian.
+  [[nodiscard]] std::vector<KeyframeId> nearest(KeyframeId id,
+                                                std::span<const KeyframeId> other) const {
+    std::vector<std::pair<double, KeyframeId>> near;
+    const RigidTransform from_world = poses_[id].inverse();
+    for (const KeyframeId at : other) {
+      const RigidTransform apart = from_world * poses_[at];
+      if (apart.distance_m() > options_.place_m || apart.angle_rad() > options_.place_rad) continue;
+      near.emplace_back(apart.distance_m() + apart.angle_rad(), at);
+    }
+    std::ranges::sort(near);
+    near.resize(std::min(near.size(), options_.max_nearest));
+    std::vector<KeyframeId> ids;
+    for (const auto& [distance, at] : near) ids.push_back(at);
+    return ids;
+  }
+
+  // Spread evenly over those that have something near.
+  [[nodiscard]] std::vector<std::pair<KeyframeId, std::vector<KeyframeId>>> compared(
+      std::span<const KeyframeId> one, std::span<const KeyframeId> other) const {
+    std::vector<std::pair<KeyframeId, std::vector<KeyframeId>>> all;
+    for (const KeyframeId id : one) {
+      if (auto near = nearest(id, other); !near.empty()) all.emplace_back(id, std::move(near));
+    }
+    const std::size_t count = std::min(all.size(), options_.max_compared);
+    std::vector<std::pair<KeyframeId, std::vector<KeyframeId>>> chosen;
+    for (std::size_t i = 0; i < count; ++i)
+      chosen.push_back(std::move(all[i * all.size() / count]));
+    return chosen;
+  }
+
+  const std::vector<RigidTransform>& poses_;
+  const CompareDepths& compare_;
+  const WalkJoinOptions& options_;
+};
+
 }  // namespace
 
 Expected<void> WalkJoinOptions::validate() const {
-  if (min_agreeing < 1) return fail("min_agreeing = {} must be at least 1", min_agreeing);
+  for (const auto& [name, value] :
+       {std::pair("min_agreeing_edges", min_agreeing_edges),
+        std::pair("max_compared", max_compared), std::pair("max_nearest", max_nearest)}) {
+    if (value < 1) return fail("{} = {} must be at least 1", name, value);
+  }
   for (const auto& [name, value] :
        {std::pair("max_distance_m", max_distance_m), std::pair("max_drift", max_drift),
-        std::pair("max_angle_rad", max_angle_rad)}) {
+        std::pair("max_angle_rad", max_angle_rad), std::pair("place_m", place_m),
+        std::pair("place_rad", place_rad), std::pair("min_overlap", min_overlap),
+        std::pair("min_agreeing", min_agreeing), std::pair("max_seen_through", max_seen_through)}) {
     if (!(value >= 0)) return fail("{} = {} must not be negative", name, value);
   }
   return {};
@@ -110,6 +197,40 @@ Expected<std::vector<PoseGraphEdge>> without_unsupported_joins(std::span<const s
   for (std::size_t i = 0; i < edges.size(); ++i) {
     if (!is_join(edges[i]) || supported.contains(i)) kept.push_back(edges[i]);
   }
+  return kept;
+}
+
+Expected<std::vector<PoseGraphEdge>> without_contradicted_joins(
+    std::span<const std::size_t> part_of, std::span<const PoseGraphEdge> edges,
+    const MapSolution& solution, const CompareDepths& compare, const WalkJoinOptions& options) {
+  ROOMWISE_CHECK_OK(options.validate());
+  const auto is_join = [&](const PoseGraphEdge& edge) {
+    return part_of[edge.from] != part_of[edge.to];
+  };
+  std::vector<PoseGraphEdge> kept(edges.begin(), edges.end());
+  if (std::ranges::none_of(edges, is_join)) return kept;
+  // A part may hang together by nothing of its own: each piece of it is judged for itself.
+  std::vector<PoseGraphEdge> within = kept;
+  std::erase_if(within, is_join);
+  std::size_t count = 0;
+  const std::vector<std::size_t> piece_of = components_by_size(part_of.size(), within, count);
+  std::vector<std::vector<KeyframeId>> pieces(count);
+  for (KeyframeId id = 0; id < piece_of.size(); ++id) pieces[piece_of[id]].push_back(id);
+  const auto joined_by = [&](const PoseGraphEdge& edge) {
+    return std::minmax({piece_of[edge.from], piece_of[edge.to]});
+  };
+  std::map<std::pair<std::size_t, std::size_t>, bool> is_contradicted;
+  for (const PoseGraphEdge& edge : edges) {
+    const auto [one, other] = joined_by(edge);
+    if (!is_join(edge) || is_contradicted.contains({one, other})) continue;
+    const ViewJudge judge(solution, compare, options);
+    ROOMWISE_TRY(const bool is_wrong, judge.contradicts(pieces[one], pieces[other]));
+    is_contradicted[{one, other}] = is_wrong;
+  }
+  std::erase_if(kept, [&](const PoseGraphEdge& edge) {
+    const auto [one, other] = joined_by(edge);
+    return is_join(edge) && is_contradicted.at({one, other});
+  });
   return kept;
 }
 

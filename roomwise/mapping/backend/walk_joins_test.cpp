@@ -48,6 +48,17 @@ class WalkJoins : public ::testing::Test {
     return kept->size() - within_;
   }
 
+  // The same, of those that views are asked about.
+  [[nodiscard]] std::size_t joins_left_by(const CompareDepths& compare,
+                                          const WalkJoinOptions& options = {}) const {
+    const auto solution = solve_map(2 * kOfWalk, edges_);
+    EXPECT_OK(solution);
+    const auto kept = without_contradicted_joins(kWalkOf, edges_, *solution, compare, options);
+    EXPECT_OK(kept);
+    EXPECT_GE(kept->size(), within_);
+    return kept->size() - within_;
+  }
+
   std::array<RigidTransform, 2 * kOfWalk> truth_;
   std::vector<PoseGraphEdge> edges_;
   std::size_t within_ = 0;
@@ -100,8 +111,52 @@ TEST_F(WalkJoins, OneWalkKeepsAllItsEdges) {
   EXPECT_THAT(*kept, SizeIs(edges_.size()));
 }
 
+// Views of which each pair overlaps and agrees by so much.
+CompareDepths all_views(const motion::ViewAgreement& agreement) {
+  return [agreement](KeyframeId, KeyframeId, const RigidTransform&) { return agreement; };
+}
+
+TEST_F(WalkJoins, ViewsThatShowDifferentPlacesForbidThem) {
+  for (const KeyframeId id : {0U, 3U, 6U}) add(id, kOfWalk + id, true);
+  EXPECT_EQ(joins_left_by(all_views({.overlap = 0.6, .agreeing = 0.95, .in_front = 0.05})), 3U);
+  EXPECT_EQ(joins_left_by(all_views({.overlap = 0.6, .agreeing = 0.5, .in_front = 0.5})), 0U);
+  EXPECT_EQ(joins_left_by(all_views({.overlap = 0.6, .agreeing = 0.7, .seen_through = 0.3})), 0U);
+  EXPECT_EQ(joins_left_by(all_views({.overlap = 0.1, .agreeing = 0.2})), 3U)
+      << "that is too little to say so";
+}
+
+TEST_F(WalkJoins, ViewsAreComparedWhereTheSolutionPutsThem) {
+  for (const KeyframeId id : {0U, 3U, 6U}) add(id, kOfWalk + id, true);
+  std::size_t compared = 0;
+  const CompareDepths compare = [&](KeyframeId reference, KeyframeId current,
+                                    const RigidTransform& reference_from_current) {
+    ++compared;
+    EXPECT_NE(kWalkOf[reference], kWalkOf[current]);
+    const RigidTransform apart =
+        reference_from_current.inverse() * truth_[reference].inverse() * truth_[current];
+    EXPECT_LT(apart.distance_m() + apart.angle_rad(), 1e-6);
+    return motion::ViewAgreement{.overlap = 0.5, .agreeing = 1};
+  };
+  EXPECT_EQ(joins_left_by(compare), 3U);
+  EXPECT_GT(compared, kOfWalk);
+  compared = 0;
+  EXPECT_EQ(joins_left_by(compare, {.max_compared = 2, .max_nearest = 1}), 3U);
+  EXPECT_EQ(compared, 4U) << "two key-frames with one each, both ways";
+}
+
+TEST_F(WalkJoins, WhatCannotBeComparedIsAnError) {
+  for (const KeyframeId id : {0U, 3U, 6U}) add(id, kOfWalk + id, true);
+  const auto solution = solve_map(2 * kOfWalk, edges_);
+  ASSERT_OK(solution);
+  const CompareDepths damaged = [](KeyframeId, KeyframeId,
+                                   const RigidTransform&) -> Expected<motion::ViewAgreement> {
+    return fail("its depth image is damaged");
+  };
+  EXPECT_ERROR(without_contradicted_joins(kWalkOf, edges_, *solution, damaged), "damaged");
+}
+
 TEST_F(WalkJoins, SaysWhichOptionIsWrong) {
-  EXPECT_ERROR((WalkJoinOptions{.min_agreeing = 0}.validate()), "min_agreeing");
+  EXPECT_ERROR((WalkJoinOptions{.min_agreeing_edges = 0}.validate()), "min_agreeing_edges");
   EXPECT_ERROR((WalkJoinOptions{.max_drift = -1}.validate()), "max_drift");
   EXPECT_OK(WalkJoinOptions{}.validate());
 }

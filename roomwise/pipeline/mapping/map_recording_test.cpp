@@ -549,6 +549,27 @@ TEST_F(MapFurtherWalks, OfAnotherHomeStaysAComponentOfItsOwn) {
   EXPECT_LT(error_m(home, 1, SyntheticWalk(kFrames)), 0.03) << "the map is what it was";
 }
 
+// As a bookcase of one make in two homes would.
+TEST_F(MapFurtherWalks, OfAnotherHomeThatSharesOneThingStaysAComponentOfItsOwn) {
+  constexpr int kAhead = 5;
+  SyntheticWalk elsewhere = further_walk(kFrames);
+  elsewhere.home = 1;
+  elsewhere.wall_of_first_home = kAhead;
+  elsewhere.half_m.x() = 3.6;
+  const auto summary = map(home_, elsewhere, 2);
+  ASSERT_OK(summary);
+  EXPECT_FALSE(summary->is_joined);
+  EXPECT_EQ(summary->components, 2U);
+  const home::Home home = *home::Home::open_read_only(home_);
+  EXPECT_LT(error_m(home, 1, SyntheticWalk(kFrames)), 0.03) << "the map is what it was";
+  const auto keyframes = home.keyframes().value();
+  const auto edges = home.edges().value();
+  const auto joins = std::ranges::count_if(edges, [&](const mapping::PoseGraphEdge& edge) {
+    return keyframes[edge.from].recording != keyframes[edge.to].recording;
+  });
+  EXPECT_GE(joins, 3) << "what they share was taken for the same place";
+}
+
 TEST_F(MapFurtherWalks, InterruptedEndAsIfNeverStopped) {
   std::filesystem::copy(home_, folder_ / "whole.home");
   SyntheticWalk whole = further_walk(kFrames);

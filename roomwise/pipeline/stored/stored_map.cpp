@@ -6,6 +6,7 @@
 #include "roomwise/mapping/backend/frame_smoothing.h"
 #include "roomwise/mapping/backend/walk_joins.h"
 #include "roomwise/mapping/localization/localization.h"
+#include "roomwise/pipeline/stored/compared_views.h"
 #include "roomwise/pipeline/stored/mapper_storage.h"
 
 namespace roomwise::pipeline {
@@ -98,6 +99,24 @@ std::vector<std::size_t> parts_of_map(std::span<const home::Keyframe> keyframes,
   return parts;
 }
 
+// Solves the map without joins that too few edges bear out, or that the views contradict where they
+// would put them; those edges go from `edges`.
+Expected<mapping::MapSolution> solve_joined(const home::Home& home,
+                                            const std::vector<std::size_t>& part_of,
+                                            std::vector<mapping::PoseGraphEdge>& edges,
+                                            const mapping::MapSolverOptions& solver) {
+  ROOMWISE_TRY(edges, mapping::without_unsupported_joins(part_of, edges, solver));
+  ROOMWISE_TRY(ComparedViews views, ComparedViews::of(home));
+  const mapping::CompareDepths compare = [&](auto&&... pair) { return views.compare(pair...); };
+  // What was bent by a wrong join is judged anew without it.
+  while (true) {
+    ROOMWISE_TRY(mapping::MapSolution solution, mapping::solve_map(part_of.size(), edges, solver));
+    ROOMWISE_TRY(auto kept, mapping::without_contradicted_joins(part_of, edges, solution, compare));
+    if (kept.size() == edges.size()) return solution;
+    edges = std::move(kept);
+  }
+}
+
 // Where the frames of one recording are, those of other components than the largest left out.
 std::vector<mapping::PlacedFrame> place_frames(
     std::span<const scene::Frame> frames,
@@ -128,10 +147,9 @@ Expected<SolvedMap> solve_stored_map(home::Home& home, const MapSettings& settin
     edges = edges_to_join(keyframes, measured, first_keyframe_of(keyframes, recordings.back().id),
                           settings.solver);
   }
-  ROOMWISE_TRY(edges, mapping::without_unsupported_joins(parts_of_map(keyframes, recordings), edges,
-                                                         settings.solver));
   SolvedMap solved;
-  ROOMWISE_TRY(solved.solution, mapping::solve_map(keyframes.size(), edges, settings.solver));
+  ROOMWISE_TRY(solved.solution,
+               solve_joined(home, parts_of_map(keyframes, recordings), edges, settings.solver));
   solved.solution.rejected_edges += measured.size() - edges.size();
   if (settings.adjusts_bundle() && !keyframes.empty()) {
     ROOMWISE_TRY(solved.refinement,

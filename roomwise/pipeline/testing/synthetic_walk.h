@@ -63,6 +63,9 @@ class SyntheticWalk final : public recording::FrameSource {
   int fail_at = -1;  // the frame at which next() gives an error
   TimestampNs begins_ns = 1'000'000'000;
   int home = 0;  // the walls of each have mosaics of their own
+  // But for this one, which looks like the first home's.
+  std::optional<int> wall_of_first_home;
+  Eigen::Array3d half_m{2.4, 1.4, 2.1};  // from the middle of the box to its walls
 
  private:
   TimestampNs timestamp_ns(int frame) const { return begins_ns + frame * 33'333'333LL; }
@@ -70,13 +73,14 @@ class SyntheticWalk final : public recording::FrameSource {
   // The colour of a wall at (u, v), m: blocks of three sizes, each with a shade of its own.
   [[nodiscard]] Rgb8 mosaic(int wall, double u, double v) const {
     double shade = 0;
+    const int of_home = wall == wall_of_first_home ? 0 : home;
     for (const double size_m : {0.11, 0.27, 0.71}) {
       const auto cell = [&](double x) {
         return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(x / size_m)) + 1000);
       };
-      shade +=
-          RandomStream(static_cast<std::uint64_t>(wall + 6 * home), {cell(u), cell(v)}).uniform() /
-          3;
+      shade += RandomStream(static_cast<std::uint64_t>(wall + 6 * of_home), {cell(u), cell(v)})
+                   .uniform() /
+               3;
     }
     const auto level = [&](double least, double most) {
       return static_cast<std::uint8_t>(least + (most - least) * shade);
@@ -95,7 +99,6 @@ class SyntheticWalk final : public recording::FrameSource {
                            {},
                            {}};
     const geometry::RigidTransform world_from = world_from_camera(index);
-    const Eigen::Array3d half_m(2.4, 1.4, 2.1);
     for (int y = 0; y < camera.height; ++y) {
       for (int x = 0; x < camera.width; ++x) {
         const Eigen::Array3d ray = (world_from.rotation * camera.unproject({x, y}, 1.0)).array();
