@@ -21,6 +21,8 @@ struct SimulateOptions {
   std::optional<std::uint64_t> home_seed;
   std::vector<std::string> rooms;
   int storeys = 1;
+  std::optional<std::uint64_t> furniture_seed, finish_seed;
+  bool mirrored = false;
   std::string scenario = "day";
   std::optional<std::uint64_t> scenario_seed, walk_seed;
   std::string camera;
@@ -77,7 +79,12 @@ Expected<void> switch_off(const std::vector<std::string>& effects, SensorOptions
 Expected<SimulationOptions> complete(const SimulateOptions& options, std::uint64_t seed) {
   SimulationOptions simulated = options.simulation;
   if (options.home_seed || !options.rooms.empty() || options.storeys != 1) {
-    simulation::HomeOptions home{options.home_seed.value_or(seed), {}, options.storeys};
+    simulation::HomeOptions home{options.home_seed.value_or(seed),
+                                 {},
+                                 options.storeys,
+                                 options.furniture_seed,
+                                 options.finish_seed,
+                                 options.mirrored};
     for (const std::string& room : options.rooms) {
       ROOMWISE_TRY(const simulation::RoomKind kind, simulation::parse_room_kind(room));
       home.rooms.push_back(kind);
@@ -166,6 +173,20 @@ void add_simulate_command(CLI::App& app, Context& context) {
       ->delimiter(',');
   add_setting(*command, "--storeys", options.storeys, "1, or 2 with a staircase between them",
               CLI::Range(1, 2));
+  const auto twin = [&](CLI::Option* option) { option->needs(command->get_option("--home-seed")); };
+  twin(command
+           ->add_option("--furniture-seed", options.furniture_seed,
+                        "Another home of the same plan: what stands and hangs in it; default: "
+                        "--home-seed")
+           ->check(not_negative()));
+  twin(command
+           ->add_option("--finish-seed", options.finish_seed,
+                        "Likewise: what floors, walls and ceilings are covered with; default: "
+                        "--home-seed")
+           ->check(not_negative()));
+  twin(command->add_flag("--mirrored", options.mirrored,
+                         "Likewise: with left and right exchanged, as the flat across the "
+                         "stairwell"));
   command->add_flag("--bare-halls", simulated.bare_halls,
                     "Nothing stands or hangs in halls, and all there is painted plainly");
   add_setting(*command, "--scenario", options.scenario,

@@ -10,6 +10,7 @@
 #include "laboratory/simulation/home/home_geometry.h"
 #include "laboratory/simulation/home/scenario.h"
 #include "laboratory/simulation/home/storeys.h"
+#include "laboratory/simulation/home/twins.h"
 
 namespace roomwise::simulation {
 namespace {
@@ -58,6 +59,11 @@ bool has_each_once(const HomeModel& home) {
 
 Expected<void> HomeOptions::validate() const {
   if (storeys != 1 && storeys != 2) return fail("storeys is {}; expected 1 or 2", storeys);
+  if (storeys == 2 && (furniture_seed || finish_seed || mirrored)) {
+    return fail(
+        "storeys is 2: only homes of one storey have others of the same plan; leave out "
+        "furniture_seed, finish_seed and mirrored");
+  }
   return {};
 }
 
@@ -66,8 +72,11 @@ Expected<HomeModel> generate_home(const HomeOptions& options,
   ROOMWISE_CHECK_OK(options.validate());
   if (options.storeys == 2) return generate_two_storeys(options, models);
   ROOMWISE_TRY(HomeModel home, plan_floor(options.seed, options.rooms));
+  if (options.finish_seed) home = with_other_finishes(std::move(home), *options.finish_seed);
+  if (options.mirrored) home = mirrored(std::move(home));
+  home.seed = options.furniture_seed.value_or(options.seed);
   furnish(home, models);
-  return apply_scenario(std::move(home), Scenario::kDay, options.seed, models);
+  return apply_scenario(std::move(home), Scenario::kDay, home.seed, models);
 }
 
 Expected<HomeModel> generate_home(const HomeOptions& options, const FurnitureCatalogue& catalogue) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,11 @@ struct HomeOptions {
   // The kinds of its rooms; a hall is added where none is named. Empty: 3 to 8, by the seed.
   std::vector<RoomKind> rooms;
   int storeys = 1;  // 1 or 2: the rooms above are chosen by the seed
+  // Another home of the same plan, of one storey: what stands, hangs and shines in it, and what
+  // floors, walls and ceilings are covered with, each by the seed where absent; and whether left
+  // and right are exchanged.
+  std::optional<std::uint64_t> furniture_seed = std::nullopt, finish_seed = std::nullopt;
+  bool mirrored = false;
 
   [[nodiscard]] Expected<void> validate() const;
 };

@@ -251,6 +251,9 @@ TEST(SimulationFile, TellsOfWhatARecordingIsMade) {
   const ScratchFolder folder;
   SimulationOptions options = short_walk();
   options.home = HomeOptions{12345678901234567890ULL, {RoomKind::kKitchen, RoomKind::kHall}};
+  options.home->furniture_seed = 4;
+  options.home->finish_seed = 5;
+  options.home->mirrored = true;
   options.scenario = Scenario::kMovedNight;
   options.walk.rooms = {"kitchen"};
   options.walk.jitter = 0.1 + 0.2;  // no short decimal
@@ -262,6 +265,9 @@ TEST(SimulationFile, TellsOfWhatARecordingIsMade) {
   const SimulationOptions* again = &made->options;
   EXPECT_EQ(again->home->seed, options.home->seed);
   EXPECT_EQ(again->home->rooms, options.home->rooms);
+  EXPECT_EQ(again->home->furniture_seed, 4U);
+  EXPECT_EQ(again->home->finish_seed, 5U);
+  EXPECT_TRUE(again->home->mirrored);
   EXPECT_EQ(again->scenario, options.scenario);
   EXPECT_EQ(again->walk.rooms, options.walk.rooms);
   EXPECT_EQ(again->walk.jitter, options.walk.jitter);

@@ -80,6 +80,9 @@ ordered_json to_json(const SimulationOptions& options) {
     for (const RoomKind kind : options.home->rooms) rooms.emplace_back(name_of(kind));
     json["home"] = {{"seed", options.home->seed}, {"rooms", rooms}};
     if (options.home->storeys != 1) json["home"]["storeys"] = options.home->storeys;
+    if (options.home->furniture_seed) json["home"]["furniture"] = *options.home->furniture_seed;
+    if (options.home->finish_seed) json["home"]["finishes"] = *options.home->finish_seed;
+    if (options.home->mirrored) json["home"]["mirrored"] = true;
   }
   if (options.bare_halls) json["bare_halls"] = true;
   json["scenario"] = name_of(options.scenario);
@@ -99,6 +102,9 @@ Expected<SimulationOptions> from_json(const ordered_json& json) {
   SimulationOptions options;
   if (const auto& home = json.at("home"); home != "reference") {
     options.home = HomeOptions{home.at("seed"), {}, home.value("storeys", 1)};
+    if (home.contains("furniture")) options.home->furniture_seed = home.at("furniture");
+    if (home.contains("finishes")) options.home->finish_seed = home.at("finishes");
+    options.home->mirrored = home.value("mirrored", false);
     for (const std::string name : home.at("rooms")) {
       ROOMWISE_TRY(const RoomKind kind, parse_room_kind(name));
       options.home->rooms.push_back(kind);
