@@ -169,6 +169,41 @@ TEST_F(EyeWithPlaces, ThePlaceDecidesWhereThePictureLeavesRoomsOpen) {
   }
 }
 
+// Something new stands before the camera, and then hides what the map knows of.
+TEST_F(EyeWithPlaces, APictureThatAloneHasNoPlaceIsFollowedFromTheOneBefore) {
+  image::RgbdFrame first = seen(21);
+  RandomStream random(1);
+  const int middle = first.color.width() / 2;
+  for (int y = 0; y < first.color.height(); ++y) {
+    for (int x = 0; x < middle; ++x) {
+      const auto level = static_cast<std::uint8_t>((x / 6 + y / 6) % 2 * 200 + random.index(40));
+      first.color.at(x, y) = {level, static_cast<std::uint8_t>(random.index(255)), level};
+    }
+  }
+  image::RgbdFrame second = first;
+  for (int y = 0; y < second.color.height(); ++y) {
+    for (int x = middle; x < second.color.width(); ++x) {
+      second.color.at(x, y) = {};
+      second.depth.at(x, y) = 0;
+    }
+  }
+  CameraFrame before = message(first), after = message(second);
+  FrameProcessor alone = eye();
+  EXPECT_FALSE(alone.look(after, home_all_of("hall")).value().place);
+  FrameProcessor follows = eye();
+  const auto placed = follows.look(before, home_all_of("hall"));
+  ASSERT_OK(placed);
+  ASSERT_TRUE(placed->place);
+  after.t_ms = before.t_ms + 500;
+  const auto followed = follows.look(after, home_all_of("hall"));
+  ASSERT_OK(followed);
+  ASSERT_TRUE(followed->place);
+  EXPECT_LT((followed->place->position_gravity() - placed->place->position_gravity()).norm(), 0.05);
+  // Not over a gap in which anything may have happened.
+  after.t_ms += 10'000;
+  EXPECT_FALSE(follows.look(after, home_all_of("hall")).value().place);
+}
+
 TEST_F(EyeWithPlaces, WithoutALayoutThePlaceTellsNoRoom) {
   FrameProcessor looking = eye();
   auto view = std::make_shared<HomeView>(*view_);

@@ -534,6 +534,13 @@ PairLocalization Localizer::locate(const Query& first, const Query& second) cons
   return places;
 }
 
+Localization Localizer::follow(const Query& earlier, const Localization& place,
+                               const Query& query) const {
+  PairLocalization places{place, locate(query)};
+  if (!places.second.found()) bind(earlier, query, places);
+  return places.second;
+}
+
 void Localizer::bind(const Query& first, const Query& second, PairLocalization& places) const {
   const Localization& earlier = places.first;
   Localization& later = places.second;

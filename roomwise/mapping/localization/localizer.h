@@ -73,6 +73,11 @@ class Localizer {
   // doubt is an answer where both tell the same by the motion between them; where they contradict
   // each other it has none.
   [[nodiscard]] PairLocalization locate(const Query& first, const Query& second) const;
+  // Of a picture that was taken shortly after one whose place is known: where it alone gives no
+  // answer, the motion since then does, as long as that leaves the place precise and what the map
+  // shows there does not contradict it.
+  [[nodiscard]] Localization follow(const Query& earlier, const Localization& place,
+                                    const Query& query) const;
 
  private:
   // Key-frames that show one place, by their index; the first looks most like the picture.

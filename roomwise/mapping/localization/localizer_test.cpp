@@ -446,6 +446,34 @@ TEST_F(LocalizerTest, TwoPicturesTellTheSecondsPlace) {
                0.02);
 }
 
+TEST_F(LocalizerTest, APictureThatAloneTellsNothingIsFollowedFromTheOneBefore) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, true);
+  const RigidTransform motion = motion_by({0.01, 0.1, 0}, {0.05, 0, 0.04});
+  const RigidTransform next_pose = pose_ * motion;
+  // What only the two pictures show.
+  const Landmarks new_things(furnished_room(), kLandmarks, 3);
+  const FrameMeasurements before{joined(landmarks_.seen_from(pose_), new_things.seen_from(pose_)),
+                                 view_};
+  const FrameMeasurements next{new_things.seen_from(next_pose)};
+  ASSERT_FALSE(localizer.locate({next, kCamera}).found());
+  const Localization place = localizer.locate({before, kCamera});
+  ASSERT_TRUE(place.found());
+  const Localization followed = localizer.follow({before, kCamera}, place, {next, kCamera});
+  expect_there(followed, next_pose, 0.03, 0.02);
+  EXPECT_GT(followed.position_sigma_m(), place.position_sigma_m());
+  // And on from there, until the place is no more known well enough.
+  Localization further = followed;
+  int steps = 0;
+  for (; further.found() && steps < 1000; ++steps) {
+    further = localizer.follow({next, kCamera}, further, {next, kCamera});
+  }
+  EXPECT_GT(steps, 3);
+  EXPECT_EQ(further.status, LocalizationStatus::kVague);
+  // Nothing follows from a picture without a place.
+  EXPECT_FALSE(localizer.follow({before, kCamera}, {}, {next, kCamera}).found());
+}
+
 TEST_F(LocalizerTest, TwoPicturesThatContradictEachOtherAreNoAnswer) {
   Localizer localizer({});
   look_around(localizer, landmarks_, true);
