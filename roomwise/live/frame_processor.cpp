@@ -10,9 +10,6 @@ namespace {
 // After a gap this long the room may be any again, s: nobody stays that long without a picture.
 constexpr double kForgetAfter_s = 60;
 
-// Pictures that are farther apart hardly show the same to who walks or turns, s.
-constexpr double kFollows_s = 2;
-
 // What stands ahead, as the camera sees it (ahead, left); by the place on the map its height and
 // tilt are known.
 Expected<std::vector<Eigen::Vector2d>> obstacles_ahead(const image::DepthImage& depth,
@@ -66,12 +63,6 @@ Expected<std::optional<rooms::RoomDecision>> FrameProcessor::decide(
   return recognizer.update(*stream_, evidence, elapsed_s, localize);
 }
 
-bool FrameProcessor::follows(const HomeView& home, double t_ms) const {
-  if (!followed_ || followed_->localizer != home.map->localizer) return false;
-  const double since_s = (t_ms - followed_->t_ms) / 1000;
-  return since_s > 0 && since_s < kFollows_s;
-}
-
 Expected<std::optional<mapping::Localization>> FrameProcessor::locate(
     const image::ColorImage& color, const std::optional<image::DepthImage>& depth,
     const HomeView& home, FrameResult& result) {
@@ -85,16 +76,11 @@ Expected<std::optional<mapping::Localization>> FrameProcessor::locate(
   const geometry::PinholeCamera& camera = *camera_->calibrated;
   ROOMWISE_TRY(const motion::FrameMeasurements measured,
                home.map->localizer->measure({color, depth, camera}));
-  const mapping::Localizer& localizer = home.map->localizer->localizer();
-  const mapping::Query query{measured, camera};
-  const mapping::Localization answer =
-      follows(home, result.t_ms)
-          ? localizer.follow({followed_->measured, camera}, followed_->place, query)
-          : localizer.locate(query);
-  if (answer.found()) {
-    followed_.emplace(Followed{home.map->localizer, measured, answer, result.t_ms});
+  if (track_localizer_ != home.map->localizer) {
+    track_.forget();
+    track_localizer_ = home.map->localizer;
   }
-  return answer;
+  return track_.locate(track_localizer_->localizer(), measured, camera, result.t_ms / 1000);
 }
 
 // What it costs does not grow with the number of things: OwnThingSearch bounds the places that a

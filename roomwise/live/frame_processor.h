@@ -8,6 +8,7 @@
 #include "roomwise/live/frame_images.h"
 #include "roomwise/live/home_view.h"
 #include "roomwise/mapping/localization/lens_calibration.h"
+#include "roomwise/mapping/localization/place_track.h"
 #include "roomwise/pipeline/rooms/turn_hint.h"
 
 namespace roomwise::live {
@@ -78,23 +79,15 @@ class FrameProcessor {
       const image::ColorImage& color, const std::optional<image::DepthImage>& depth,
       const HomeView& home, FrameResult& result);
 
-  // Whether the picture of that time comes shortly after one whose place is known.
-  [[nodiscard]] bool follows(const HomeView& home, double t_ms) const;
-
   std::optional<service::DeviceCamera> camera_;
   mapping::LensCalibration lens_;
   // Belongs to the recognizer with which it was made.
   std::optional<rooms::RoomStream> stream_;
   std::shared_ptr<const pipeline::RoomRecognizer> stream_recognizer_;
   double last_t_ms_ = 0;
-  // The newest picture with a place, of a calibrated camera.
-  struct Followed {
-    std::shared_ptr<const pipeline::HomeLocalizer> localizer;
-    motion::FrameMeasurements measured;
-    mapping::Localization place;
-    double t_ms = 0;
-  };
-  std::optional<Followed> followed_;
+  // Of a calibrated camera, on the map of that localiser.
+  mapping::PlaceTrack track_;
+  std::shared_ptr<const pipeline::HomeLocalizer> track_localizer_;
   std::optional<double> looked_for_own_t_ms_;
 };
 

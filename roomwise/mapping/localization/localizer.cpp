@@ -530,28 +530,36 @@ Localization Localizer::locate(const Query& query) const {
 
 PairLocalization Localizer::locate(const Query& first, const Query& second) const {
   PairLocalization places{locate(first), locate(second)};
-  bind(first, second, places);
+  if (const auto carried = carry(first, places.first, second)) bind(*carried, places);
   return places;
 }
 
-Localization Localizer::follow(const Query& earlier, const Localization& place,
-                               const Query& query) const {
+Localizer::Followed Localizer::follow(const Query& earlier, const Localization& place,
+                                      const Query& query) const {
   PairLocalization places{place, locate(query)};
-  if (!places.second.found()) bind(earlier, query, places);
-  return places.second;
+  const bool is_near = places.second.found() &&
+                       may_show_the_same(place.world_from_camera, places.second.world_from_camera);
+  if (is_near) return {places.second, std::nullopt};
+  auto carried = carry(earlier, place, query);
+  if (carried) bind(*carried, places);
+  return {places.second, std::move(carried)};
 }
 
-void Localizer::bind(const Query& first, const Query& second, PairLocalization& places) const {
-  const Localization& earlier = places.first;
-  Localization& later = places.second;
-  if (!earlier.has_pose()) return;
+std::optional<Localization> Localizer::carry(const Query& first, const Localization& place,
+                                             const Query& second) const {
+  if (!place.has_pose()) return std::nullopt;
   motion::LocatorOptions options;
   options.features = options_.features;
   const motion::MotionOutcome motion =
       motion::locate_frame(first.measurements, second.measurements, std::nullopt, second.camera,
                            options, RandomStream(options_.seed, {~0ULL}));
-  if (!motion.found()) return;  // nothing binds them: each stands alone
-  const Localization carried = propagate(earlier, motion.pose, second);
+  if (!motion.found()) return std::nullopt;
+  return propagate(place, motion.pose, second);
+}
+
+void Localizer::bind(const Localization& carried, PairLocalization& places) const {
+  const Localization& earlier = places.first;
+  Localization& later = places.second;
   if (later.has_pose() && is_same(carried.world_from_camera, later.world_from_camera)) {
     // Where a picture alone leaves two places open, the motion fits both.
     const bool one_is_open = earlier.status == LocalizationStatus::kAmbiguous ||

@@ -73,11 +73,18 @@ class Localizer {
   // doubt is an answer where both tell the same by the motion between them; where they contradict
   // each other it has none.
   [[nodiscard]] PairLocalization locate(const Query& first, const Query& second) const;
-  // Of a picture that was taken shortly after one whose place is known: where it alone gives no
-  // answer, the motion since then does, as long as that leaves the place precise and what the map
-  // shows there does not contradict it.
-  [[nodiscard]] Localization follow(const Query& earlier, const Localization& place,
-                                    const Query& query) const;
+  // What a picture tells that was taken shortly after one whose place is known.
+  struct Followed {
+    // Where it alone gives no answer, the motion since then does, as long as that leaves the place
+    // precise and what the map shows there does not contradict it. Where it alone tells a place to
+    // which that motion does not lead, it has none.
+    Localization place;
+    // By the motion alone; nothing where that is not known, or was not asked for since the picture
+    // alone tells of a place nearby.
+    std::optional<Localization> carried;
+  };
+  [[nodiscard]] Followed follow(const Query& earlier, const Localization& place,
+                                const Query& query) const;
 
  private:
   // Key-frames that show one place, by their index; the first looks most like the picture.
@@ -118,8 +125,12 @@ class Localizer {
 
   [[nodiscard]] std::vector<Localization> align_shapes(const Query& query) const;
   [[nodiscard]] Localization by_shape(const Query& query) const;
-  // By the motion between the two, what each alone tells of the second.
-  void bind(const Query& first, const Query& second, PairLocalization& places) const;
+  // The second's place by the first's and the motion between them; nothing where they show too
+  // little of the same.
+  [[nodiscard]] std::optional<Localization> carry(const Query& first, const Localization& place,
+                                                  const Query& second) const;
+  // What each alone tells of the second, where the motion between them leads to `carried`.
+  void bind(const Localization& carried, PairLocalization& places) const;
   [[nodiscard]] Localization propagate(const Localization& earlier,
                                        const motion::RefinedPose& motion,
                                        const Query& second) const;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/mapping/localization/place_track.h"
 #include "roomwise/motion/testing/test_scenes.h"
 
 namespace roomwise::mapping {
@@ -459,19 +460,42 @@ TEST_F(LocalizerTest, APictureThatAloneTellsNothingIsFollowedFromTheOneBefore) {
   ASSERT_FALSE(localizer.locate({next, kCamera}).found());
   const Localization place = localizer.locate({before, kCamera});
   ASSERT_TRUE(place.found());
-  const Localization followed = localizer.follow({before, kCamera}, place, {next, kCamera});
+  const Localization followed = localizer.follow({before, kCamera}, place, {next, kCamera}).place;
   expect_there(followed, next_pose, 0.03, 0.02);
   EXPECT_GT(followed.position_sigma_m(), place.position_sigma_m());
   // And on from there, until the place is no more known well enough.
   Localization further = followed;
   int steps = 0;
   for (; further.found() && steps < 1000; ++steps) {
-    further = localizer.follow({next, kCamera}, further, {next, kCamera});
+    further = localizer.follow({next, kCamera}, further, {next, kCamera}).place;
   }
   EXPECT_GT(steps, 3);
   EXPECT_EQ(further.status, LocalizationStatus::kVague);
   // Nothing follows from a picture without a place.
-  EXPECT_FALSE(localizer.follow({before, kCamera}, {}, {next, kCamera}).found());
+  EXPECT_FALSE(localizer.follow({before, kCamera}, {}, {next, kCamera}).place.found());
+}
+
+// Somebody stands and turns their head to what looks like another room's.
+TEST_F(LocalizerTest, ATrackBelievesNoPlaceThatItsMotionDoesNotLeadTo) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, true);
+  const Landmarks others(furnished_room(), kLandmarks, 2), common(furnished_room(), kLandmarks, 3);
+  look_around(localizer, others, true, motion_by({0, 0, 0}, {10, 0, 0}));
+  const auto showing = [&](const Landmarks& landmarks) {
+    return joined(landmarks.seen_from(pose_), common.seen_from(pose_));
+  };
+  const FrameMeasurements here{showing(landmarks_)}, there{showing(others)};
+  PlaceTrack track;
+  expect_there(track.locate(localizer, here, kCamera, 0), pose_, 0.03, 0.02);
+  // However often it looks the same.
+  for (const double t_s : {0.5, 1.0, 2.5, 3.0}) {
+    EXPECT_FALSE(track.locate(localizer, there, kCamera, t_s).found()) << t_s;
+  }
+  expect_there(track.locate(localizer, here, kCamera, 3.5), pose_, 0.03, 0.02);
+  // After a while without pictures anything may have happened.
+  EXPECT_TRUE(track.locate(localizer, there, kCamera, 13.5).found());
+  track.forget();
+  EXPECT_TRUE(track.locate(localizer, here, kCamera, 13.6).found());
 }
 
 TEST_F(LocalizerTest, TwoPicturesThatContradictEachOtherAreNoAnswer) {
