@@ -31,14 +31,14 @@ bool continues_character(char byte) {
 
 template <typename Key>
 using KeyKinds = std::initializer_list<std::pair<Key, Kind>>;
-constexpr KeyKinds<char> kLettersBeforeName = {{'f', Kind::kFind}, {'g', Kind::kTake},
-                                               {'l', Kind::kWay},  {'n', Kind::kNameRoom},
-                                               {'m', Kind::kMark}, {'?', Kind::kInWords}};
+constexpr KeyKinds<char> kLettersBeforeName = {
+    {'f', Kind::kFind}, {'g', Kind::kTake},    {'l', Kind::kWay},      {'n', Kind::kNameRoom},
+    {'m', Kind::kMark}, {'?', Kind::kInWords}, {'c', Kind::kNameThing}};
 constexpr KeyKinds<char> kLetters = {
     {'w', Kind::kWhere},   {'a', Kind::kAround}, {'r', Kind::kRepeat}, {'q', Kind::kQuiet},
     {'p', Kind::kPause},   {'o', Kind::kGoOn},   {'h', Kind::kHowFar}, {'t', Kind::kNext},
     {'b', Kind::kBlocked}, {'e', Kind::kEnd},    {'x', Kind::kExit},   {'k', Kind::kBack},
-    {'s', Kind::kSpots}};
+    {'s', Kind::kSpots},   {'y', Kind::kTeach}};
 constexpr KeyKinds<int> kButtons = {{KEY_1, Kind::kWhere},
                                     {KEY_2, Kind::kAround},
                                     {KEY_3, Kind::kFindNext},
@@ -55,6 +55,7 @@ std::optional<Kind> kind_of(Key key, KeyKinds<Key> kinds) {
 Kind asking_for(Kind naming) {
   if (naming == Kind::kInWords) return Kind::kWhichQuestion;
   if (naming == Kind::kMark) return Kind::kWhichSpot;
+  if (naming == Kind::kNameThing) return Kind::kWhichName;
   return naming == Kind::kNameRoom ? Kind::kWhichRoom : Kind::kWhichThing;
 }
 

@@ -33,9 +33,11 @@ struct KeyRequest {
     kEnd,
     kNameRoom,
     kInWords,
-    kMark,   // this place
-    kBack,   // to where that was, or where one set out
-    kSpots,  // which were marked
+    kMark,       // this place
+    kBack,       // to where that was, or where one set out
+    kSpots,      // which were marked
+    kTeach,      // begins to show a thing, or stops that
+    kNameThing,  // that was shown
     kRepeat,
     kQuiet,
     kExit,
@@ -43,11 +45,12 @@ struct KeyRequest {
     kWhichRoom,
     kWhichQuestion,
     kWhichSpot,  // its name is to be typed now, or none
+    kWhichName,  // of the thing that was shown
     kNoName,     // that was given up
   };
   Kind kind = Kind::kWhere;
-  // The thing of kFind, kTake and kWay, the room of kNameRoom, the question of kInWords, the spot
-  // of kMark (empty: without a name).
+  // The thing of kFind, kTake, kWay and kNameThing, the room of kNameRoom, the question of
+  // kInWords, the spot of kMark (empty: without a name).
   std::string name;
 
   bool operator==(const KeyRequest&) const = default;
@@ -56,10 +59,11 @@ struct KeyRequest {
 // Letters as they come from a keyboard or a pipe: w (where am I), a (around me), f NAME Enter
 // (find), g NAME Enter (go there), l NAME Enter (list the way there), n NAME Enter (name the room
 // while it is recorded), ? QUESTION Enter (ask in one's own words), m [NAME] Enter (mark this
-// place), k (back there, or to where one set out), s (which places were marked), r (repeat), q
-// (quiet), x (exit); to the guide p (pause), o (go on), h (how far), t (what is next), b (the way
-// is blocked), e (end). Others mean nothing. Backspace takes back the last letter of a name;
-// Escape, or ten seconds without a key, ends it.
+// place), k (back there, or to where one set out), s (which places were marked), y (teach: show a
+// thing to the camera; again: stop), c NAME Enter (call it), r (repeat), q (quiet), x (exit); to
+// the guide p (pause), o (go on), h (how far), t (what is next), b (the way is blocked), e (end).
+// Others mean nothing. Backspace takes back the last letter of a name; Escape, or ten seconds
+// without a key, ends it.
 class TypedKeys {
  public:
   // Also without bytes, to see that time passes.

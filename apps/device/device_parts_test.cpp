@@ -59,6 +59,14 @@ TEST(TypedKeysTest, APlaceIsMarkedWithANameOrWithout) {
   EXPECT_THAT(keys.take("m my\x1b", 0), ElementsAre(KeyRequest{Kind::kNoName, ""}));
 }
 
+TEST(TypedKeysTest, AThingIsShownAndThenNamed) {
+  TypedKeys keys;
+  EXPECT_THAT(keys.take("y", 0), ElementsAre(KeyRequest{Kind::kTeach, ""}));
+  EXPECT_THAT(keys.take("c", 0), ElementsAre(KeyRequest{Kind::kWhichName, ""}));
+  EXPECT_THAT(keys.take("my mug\n", 0), ElementsAre(KeyRequest{Kind::kNameThing, "my mug"}));
+  EXPECT_THAT(keys.take("c\n", 0), ElementsAre(KeyRequest{Kind::kNoName, ""}));
+}
+
 TEST(TypedKeysTest, NamesAreMendedAndGivenUp) {
   TypedKeys keys;
   // A letter of two bytes is taken back as one.

@@ -94,6 +94,7 @@ void DeviceSession::lose(const std::string& why, TimestampNs now_ns) {
   connection_.reset();
   asked_.clear();  // no answers will come
   recording_.clear();
+  is_teaching_ = false;  // the computer forgets what was shown
   if (link_.failed(steady_s(now_ns)) == service::DeviceLink::News::kLost) {
     parts_.voice->notice("device.connection_lost", guide::Sound::kLost, now_ns);
   }
@@ -140,6 +141,7 @@ void DeviceSession::take_prompt(const service::PromptMessage& message, Timestamp
     newest_answered_ = *message.answer_to;
     asked_.erase(*message.answer_to);
   }
+  watch_teaching(message.message);
   auto prompt = service::prompt_of(message);
   if (!prompt) {
     std::cerr << prompt.error().message << '\n';
@@ -147,6 +149,14 @@ void DeviceSession::take_prompt(const service::PromptMessage& message, Timestamp
   }
   ++prompts_;
   parts_.voice->say(*std::move(prompt), now_ns);
+}
+
+// Whether a thing is shown, or was and waits for its name.
+void DeviceSession::watch_teaching(const std::string& message) {
+  if (message == "teach.begin") is_teaching_ = true;
+  for (const char* const end : {"teach.learning", "teach.stopped", "teach.no_camera"}) {
+    if (message == end) is_teaching_ = false;
+  }
 }
 
 void DeviceSession::take_recording(const service::RecordingState& recording, TimestampNs now_ns) {
@@ -243,6 +253,13 @@ void DeviceSession::act(const KeyRequest& request, TimestampNs now_ns) {
       return ask(service::Question::kTakeMeBack, "", now_ns);
     case Kind::kSpots:
       return ask(service::Question::kWhichSpots, "", now_ns);
+    case Kind::kTeach:
+      return ask(is_teaching_ ? service::Question::kStopTeaching : service::Question::kTeachThing,
+                 "", now_ns);
+    case Kind::kNameThing:
+      return ask(service::Question::kNameThing, request.name, now_ns);
+    case Kind::kWhichName:
+      return parts_.voice->notice("device.which_name", guide::Sound::kNone, now_ns);
     case Kind::kWhichSpot:
       return parts_.voice->notice("device.which_spot", guide::Sound::kNone, now_ns);
     case Kind::kWhichQuestion:

@@ -55,6 +55,7 @@ class DeviceSession : private Interruption {
   void receive(TimestampNs now_ns);
   void take(const service::HomeMessage& message, TimestampNs now_ns);
   void take_prompt(const service::PromptMessage& message, TimestampNs now_ns);
+  void watch_teaching(const std::string& message);
   void take_recording(const service::RecordingState& recording, TimestampNs now_ns);
   void take_error(const service::ErrorMessage& error, TimestampNs now_ns);
   void watch_camera(TimestampNs now_ns);
@@ -79,6 +80,7 @@ class DeviceSession : private Interruption {
   std::uint64_t prompts_ = 0;
   bool camera_failed_ = false;
   bool quiet_ = false;
+  bool is_teaching_ = false;  // a thing is shown, or waits for its name
   TimestampNs heard_ns_ = 0;  // when the computer said something last
   std::string last_failure_;
   std::set<std::string> failures_said_;

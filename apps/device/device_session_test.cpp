@@ -147,15 +147,24 @@ class AnsweringHome final : public service::SocketHandler {
         out_->send_text(write(service::HomeMessage(service::ErrorMessage{"refused", ask.id})));
       } else if (ask.question == service::Question::kAroundMe) {
         for (const char* key : {"around", "around/2", "around/3"}) say(ask, key, "Bed.");
+      } else if (ask.question == service::Question::kTeachThing) {
+        say(ask, "teaching", "Show it.", "teach.begin");
+      } else if (ask.question == service::Question::kNameThing) {
+        const bool is_taken = ask.subject == "bed";
+        say(ask, "teaching", is_taken ? "Taken." : "One moment.",
+            is_taken ? "teach.name" : "teach.learning");
+      } else if (ask.question == service::Question::kStopTeaching) {
+        say(ask, "teaching", "Stopped.", "teach.stopped");
       } else {
         say(ask, "answer", "Answer about " + ask.subject + ".");
       }
     }
-    void say(const service::Ask& ask, const std::string& key, const std::string& text) {
+    void say(const service::Ask& ask, const std::string& key, const std::string& text,
+             const std::string& message = "room.is") {
       service::PromptMessage prompt;
       prompt.answer_to = ask.id;
       prompt.key = key;
-      prompt.message = "room.is";
+      prompt.message = message;
       prompt.text = text;
       prompt.language = "en";
       prompt.priority = "answer";
@@ -287,6 +296,33 @@ TEST_F(DeviceSessionTest, AsksWhatIsTypedAndSpeaksTheAnswers) {
   ASSERT_EQ(home_.asks.size(), 2u);
   EXPECT_EQ(home_.asks[1].question, service::Question::kWhereAmI);
   EXPECT_GE(session_->prompts(), 1u);
+}
+
+TEST_F(DeviceSessionTest, TeachesAThingByKeysAndStopsByTheSameKey) {
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  type("y");
+  EXPECT_TRUE(speaker_->hears("Show it."));
+  type("y");
+  EXPECT_TRUE(speaker_->hears("Stopped."));
+  type("y");
+  EXPECT_TRUE(speaker_->signal.wait([&] { return speaker_->heard.ends_with("Show it.\n"); }));
+  type("c");
+  EXPECT_TRUE(speaker_->hears("What is it called?"));
+  type("bed\n");
+  EXPECT_TRUE(speaker_->hears("Taken."));
+  type("c my mug\n");
+  EXPECT_TRUE(speaker_->hears("One moment."));
+  type("yx");
+  running.join();
+  std::vector<service::Question> asked;
+  for (const service::Ask& ask : home_.asks) asked.push_back(ask.question);
+  using service::Question;
+  EXPECT_THAT(asked, ::testing::ElementsAre(Question::kTeachThing, Question::kStopTeaching,
+                                            Question::kTeachThing, Question::kNameThing,
+                                            Question::kNameThing, Question::kTeachThing))
+      << "what was named is taught: the key begins anew";
+  EXPECT_EQ(home_.asks[4].subject, "my mug");
 }
 
 TEST_F(DeviceSessionTest, AQuestionBreaksOffTheAnswerBefore) {
