@@ -84,6 +84,7 @@ TEST_F(ExportFormatsTest, JsonTellsRoomsDoorsThingsAndWalks) {
   ASSERT_THAT(home.at("doors"), SizeIs(1));
   EXPECT_NEAR(home.at("doors").at(0).at("width_m").get<double>(), 0.9, 0.15);
   EXPECT_EQ(home.at("doors").at(0).at("walked"), true);
+  EXPECT_THAT(home.at("openings"), IsEmpty());
 }
 
 TEST_F(ExportFormatsTest, JsonPlacesThingsInTheirRooms) {

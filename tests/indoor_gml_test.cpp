@@ -10,10 +10,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "made_up_home.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/pipeline/exports/home_json.h"
+#include "roomwise/pipeline/exports/scene_graph_json.h"
 #include "run_program.h"
 
 namespace roomwise {
@@ -238,6 +241,20 @@ TEST_F(IndoorGmlTest, WhereTwoRoomsAreOpenToEachOtherIsNoDoor) {
   ASSERT_OK(plan);
   EXPECT_EQ(plan->doors, 1U);
   EXPECT_EQ(plan->openings, 1U);
+
+  const json exported = json::parse(pipeline::home_json(contents));
+  ASSERT_THAT(exported.at("doors"), SizeIs(1));
+  EXPECT_THAT(exported.at("doors")[0].at("rooms"),
+              ::testing::UnorderedElementsAre("hall", "living"));
+  ASSERT_THAT(exported.at("openings"), SizeIs(1));
+  EXPECT_THAT(exported.at("openings")[0].at("rooms"),
+              ::testing::UnorderedElementsAre("kitchen", "living"));
+  std::set<std::string> ways;
+  const json graph = json::parse(pipeline::scene_graph_json(contents));
+  for (const json& edge : graph.at("edges")) {
+    for (const auto& [fact, value] : edge.at("info").at("metadata").items()) ways.insert(fact);
+  }
+  EXPECT_THAT(ways, ElementsAre("door_m", "opening_m", "walked", "width_m"));
 }
 
 TEST_F(IndoorGmlTest, WhatOfARoomLiesApartIsAFurtherSpaceOfItsName) {

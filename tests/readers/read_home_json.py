@@ -57,7 +57,7 @@ def main(schema_file, home_file):
     jsonschema.Draft202012Validator.check_schema(schema)
     jsonschema.Draft202012Validator(schema).validate(home)
     names = [room["name"] for room in home["rooms"]]
-    for door in home["doors"]:
+    for door in home["doors"] + home["openings"]:
         assert all(name in names for name in door["rooms"]), door
     things = []
     for thing in home["things"]:
@@ -83,6 +83,7 @@ def main(schema_file, home_file):
                 "areas_m2": [room_area(room) for room in home["rooms"]],
                 "floor_m2": [room["floor_m2"] for room in home["rooms"]],
                 "doors": home["doors"],
+                "openings": home["openings"],
                 "things": things,
                 "walks": [
                     {key: walk[key] for key in ("name", "frames", "placed", "keyframes_elsewhere")}

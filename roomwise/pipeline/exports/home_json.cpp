@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "roomwise/guide/legs.h"
 #include "roomwise/pipeline/rooms/room_outline.h"
 
 namespace roomwise::pipeline {
@@ -69,11 +70,12 @@ Json room_json(const rooms::Room& room, const HomeContents& contents) {
   return json;
 }
 
-Json doors_json(const HomeContents& contents) {
+// Doors that a hand can find, or the borders where rooms are open to each other.
+Json doors_json(const HomeContents& contents, bool are_openings) {
   Json doors = Json::array();
   if (!contents.layout) return doors;
   for (const rooms::Doorway& door : contents.layout->doorways()) {
-    if (door.is_stairs) continue;
+    if (door.is_stairs || guide::is_door(door) == are_openings) continue;
     doors.push_back({{"rooms", door.rooms},
                      {"middle_m", floor_json(door.middle_gravity, contents)},
                      {"width_m", door.width_m > 0 ? Json(door.width_m) : Json(nullptr)},
@@ -194,7 +196,8 @@ std::string home_json(const HomeContents& contents) {
             {"units", {{"length", "m"}, {"area", "m2"}, {"time", "s"}, {"image", "px"}}},
             {"frames", frames_json(contents)},
             {"rooms", Json::array()},
-            {"doors", doors_json(contents)},
+            {"doors", doors_json(contents, false)},
+            {"openings", doors_json(contents, true)},
             {"things", Json::array()},
             {"walks", Json::array()}};
   if (contents.storeys().are_several()) {

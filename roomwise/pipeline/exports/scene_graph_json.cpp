@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "roomwise/guide/legs.h"
+
 namespace roomwise::pipeline {
 namespace {
 
@@ -161,6 +163,12 @@ class SceneGraphWriter {
     add_doors();
   }
 
+  // What a way between rooms is, as the edge calls its place.
+  static const char* way_of(const rooms::Doorway& door) {
+    if (door.is_stairs) return "stairs_m";
+    return guide::is_door(door) ? "door_m" : "opening_m";  // where rooms are open to each other
+  }
+
   // Two rooms are joined once, by their widest door.
   void add_doors() {
     std::set<std::array<std::string, 2>> joined;
@@ -169,7 +177,7 @@ class SceneGraphWriter {
       if (from == rooms_.end() || to == rooms_.end() || !joined.insert(door.rooms).second) continue;
       const Eigen::Vector3d middle = contents_.place_gravity(door.middle_gravity);
       add_edge(from->second, to->second,
-               {{door.is_stairs ? "stairs_m" : "door_m", {middle.x(), middle.y()}},
+               {{way_of(door), {middle.x(), middle.y()}},
                 {"width_m", door.width_m > 0 ? ordered_json(door.width_m) : ordered_json(nullptr)},
                 {"walked", door.is_walked}});
     }
