@@ -480,6 +480,53 @@ TEST_F(ThingsCommandsTest, AThingIsTaughtListedSharedAndForgotten) {
   EXPECT_THAT(read_text_file(home).value(), Not(HasSubstr("my blue mug")));
 }
 
+// A red thing of large patches, at a place of a picture: the walls are grey and finely patterned.
+void draw_red_thing(image::ColorImage& picture, int left, int top) {
+  RandomStream random(7);
+  constexpr int kPatch = 20, kPatches = 4;
+  for (int row = 0; row < kPatches; ++row) {
+    for (int column = 0; column < kPatches; ++column) {
+      const auto red = static_cast<std::uint8_t>(90 + random.index(166));
+      for (int y = 0; y < kPatch; ++y) {
+        for (int x = 0; x < kPatch; ++x) {
+          picture.at(left + column * kPatch + x, top + row * kPatch + y) = {red, 0, 20};
+        }
+      }
+    }
+  }
+}
+
+TEST_F(ThingsCommandsTest, ALaterWalkShowsWhereTaughtThingsAre) {
+  const std::string home = copy_of_home("shown.home");
+  std::vector<std::string> teach{"things", "teach",     "my quilt",         "--home",
+                                 home,     "--network", path("colors.onnx")};
+  for (int i = 0; i < 3; ++i) {
+    image::ColorImage picture(160, 120, {200, 200, 200});
+    draw_red_thing(picture, 40 + 4 * i, 20);
+    teach.push_back(path(fmt::format("quilt{}.png", i)));
+    ASSERT_OK(write_file(teach.back(), image::encode_png(picture)));
+  }
+  result_of(teach);
+  const json without = result_of(update(home, {path("visit")})).at("own_things");
+  EXPECT_EQ(without, json({{"taught", 1}, {"seen", 0}, {"why_not", nullptr}}));
+
+  std::filesystem::copy(path("visit"), path("with_quilt"),
+                        std::filesystem::copy_options::recursive);
+  for (const auto& entry : std::filesystem::directory_iterator(path("with_quilt/rgb"))) {
+    auto picture = image::decode_color(read_file(entry.path()).value()).value();
+    draw_red_thing(picture, picture.width() / 2, picture.height() / 2);
+    ASSERT_OK(write_file(entry.path(), image::encode_png(picture)));
+  }
+  const Bytes before = read_file(home).value();
+  const json dry = result_of(update(home, {path("with_quilt"), "--dry-run"}));
+  EXPECT_EQ(dry.at("own_things").at("seen"), 1);
+  EXPECT_TRUE(read_file(home).value() == before);
+  const ProgramResult text = run(update(home, {path("with_quilt"), "--without-rooms"}));
+  EXPECT_THAT(text.output, HasSubstr("1 of 1 things that were taught are on it"));
+  const json thing = result_of({"things", "list", "--home", home}).at("things")[0];
+  EXPECT_FALSE(thing.at("keyframe").is_null()) << thing;
+}
+
 TEST_F(ThingsCommandsTest, TeachingSaysWhatIsWrong) {
   const std::string home = copy_of_home("not_taught.home"), picture = path("dark_alone.png");
   ASSERT_OK(write_picture_of_thing(picture, 10));

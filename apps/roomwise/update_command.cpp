@@ -137,19 +137,67 @@ Json to_json(const pipeline::RoomUpdate& update) {
   return json;
 }
 
-Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& options) {
+// Whether things that people taught are looked for, and what became of it.
+struct TaughtThings {
+  std::size_t taught = 0;
+  std::shared_ptr<const pipeline::OwnThingWatch> watch;  // null: they are not looked for
+  std::string why_not;                                   // then, where there are any
+};
+
+// A dry run learns nothing of what is usual in the home: it says where that is not known.
+Expected<TaughtThings> watch_taught_things(home::Home& home, const pipeline::Networks& networks,
+                                           const objects::ObjectFinders& finders, bool dry_run,
+                                           CommandRun& run) {
+  TaughtThings things;
+  ROOMWISE_TRY(const auto taught, home.own_things());
+  things.taught = taught.size();
+  if (taught.empty()) return things;
+  if (!dry_run) {
+    const auto usual = pipeline::calibrate_own_things(home, networks, finders.in_pictures, run);
+    if (!usual && usual.error().code == ErrorCode::kInterrupted) return Unexpected(usual.error());
+    if (!usual) {
+      things.why_not = usual.error().message;
+      return things;
+    }
+  }
+  auto watch = pipeline::watch_own_things(home, networks, finders.in_pictures);
+  if (watch) {
+    things.watch = *std::move(watch);
+  } else {
+    things.why_not = watch.error().message;
+  }
+  return things;
+}
+
+std::string rows_of(const TaughtThings& things, const pipeline::HomeUpdate& update) {
+  if (things.taught == 0) return {};
+  if (things.watch == nullptr) return things.why_not + "\n";
+  return fmt::format("{} of {} things that were taught are on it\n", update.own_things.size(),
+                     things.taught);
+}
+
+Json to_json(const TaughtThings& things, const pipeline::HomeUpdate& update) {
+  return {{"taught", things.taught},
+          {"seen", update.own_things.size()},
+          {"why_not", word_or_null(things.why_not)}};
+}
+
+Answer describe(const pipeline::HomeUpdate& update, const TaughtThings& taught,
+                const UpdateCommandOptions& options) {
   const home::Visit& visit = update.changes.visit;
-  Answer answer{fmt::format("{} of {} pictures of the visit were found on the map\n", visit.placed,
-                            visit.frames),
-                {{"frames", visit.frames},
-                 {"placed", visit.placed},
-                 {"first_timestamp_s", 1e-9 * static_cast<double>(visit.first_timestamp_ns)},
-                 {"last_timestamp_s", 1e-9 * static_cast<double>(visit.last_timestamp_ns)},
-                 {"changed", !update.changes.empty() || !update.unnamed.empty()},
-                 {"written", !update.changes.empty() && !options.dry_run},
-                 {"things", Json::array()},
-                 {"unnamed", Json::array()},
-                 {"rooms", update.rooms ? to_json(*update.rooms) : Json(nullptr)}}};
+  Answer answer{
+      fmt::format("{} of {} pictures of the visit were found on the map\n", visit.placed,
+                  visit.frames),
+      {{"frames", visit.frames},
+       {"placed", visit.placed},
+       {"first_timestamp_s", 1e-9 * static_cast<double>(visit.first_timestamp_ns)},
+       {"last_timestamp_s", 1e-9 * static_cast<double>(visit.last_timestamp_ns)},
+       {"changed", !update.changes.empty() || !update.unnamed.empty()},
+       {"written", !options.dry_run && !(update.changes.empty() && update.own_things.empty())},
+       {"things", Json::array()},
+       {"unnamed", Json::array()},
+       {"rooms", update.rooms ? to_json(*update.rooms) : Json(nullptr)},
+       {"own_things", to_json(taught, update)}}};
   std::size_t there = 0, not_looked_at = 0;
   for (const ThingUpdate& thing : update.things) {
     answer.json["things"].push_back(to_json(thing));
@@ -165,7 +213,10 @@ Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& 
   answer.text +=
       fmt::format("{} things are where they were, {} were not looked at\n", there, not_looked_at);
   if (update.rooms) answer.text += rows_of(*update.rooms, options.dry_run);
-  if (update.changes.empty()) {
+  answer.text += rows_of(taught, update);
+  if (update.changes.empty() && !update.own_things.empty() && !options.dry_run) {
+    answer.text += "nothing else changed; where these were seen is noted\n";
+  } else if (update.changes.empty()) {
     answer.text += update.unnamed.empty()
                        ? "nothing changed; the home is as it was\n"
                        : "nothing that has a name changed; the home is as it was\n";
@@ -180,14 +231,18 @@ Expected<Answer> update(const UpdateCommandOptions& options, Context& context) {
   ROOMWISE_TRY(const objects::ObjectFinders finders, load_object_finders());
   ROOMWISE_TRY(home::Home home, options.dry_run ? open_home_read_only(options.home, context)
                                                 : open_home(options.home, context));
+  ROOMWISE_TRY(const auto own_things, home.own_things());
   pipeline::Networks networks;
-  if (!options.without_rooms) {
+  if (!options.without_rooms || !own_things.empty()) {
     ROOMWISE_TRY(networks, load_networks(options.networks, &home, /*also_brought=*/true));
   }
   CommandRun run(context);
   pipeline::UpdateOptions with = options.update;
   with.visit.localizer.seed = context.seed;
   if (options.without_rooms) with.visit.rooms.reset();
+  ROOMWISE_TRY(const TaughtThings taught,
+               watch_taught_things(home, networks, finders, options.dry_run, run));
+  with.visit.own_things = taught.watch;
   auto compared =
       pipeline::compare_with_visit(home, options.recording, finders, networks, with, run);
   if (!compared && compared.error().code == ErrorCode::kInterrupted) {
@@ -198,7 +253,8 @@ Expected<Answer> update(const UpdateCommandOptions& options, Context& context) {
   if (!options.dry_run && !found.changes.empty()) {
     ROOMWISE_CHECK_OK(home.apply_changes(found.changes));
   }
-  return describe(found, options);
+  if (!options.dry_run) ROOMWISE_CHECK_OK(pipeline::note_own_things(home, found.own_things));
+  return describe(found, taught, options);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "roomwise/base/calendar_time.h"
 #include "roomwise/base/median.h"
@@ -278,44 +279,57 @@ std::optional<Eigen::Vector3d> middle_by_depth(const image::DepthImage& depth,
   return camera.unproject(middle, median_of(measured_m));
 }
 
-Expected<std::size_t> find_own_things(home::Home& home, home::RecordingId walk,
-                                      const OwnThingWatch& watch, RunContext& run) {
+Expected<OwnThingSightings> own_things_in(const OwnThingPicture& picture,
+                                          const OwnThingWatch& watch) {
+  ROOMWISE_TRY(const auto found, watch.look(picture.color));
+  OwnThingSightings seen;
+  for (const FoundOwnThing& one : found) {
+    auto middle = middle_by_depth(picture.depth, picture.camera, one.box);
+    if (middle) middle = picture.keyframe_from_camera * *middle;
+    seen[one.id] = {seconds_of(picture.timestamp_ns), std::nullopt, picture.keyframe, middle};
+  }
+  return seen;
+}
+
+std::vector<std::size_t> pictures_to_look_at(std::size_t count) {
+  std::vector<std::size_t> all(count);
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return some_of(all, kWalkPictures);
+}
+
+Expected<OwnThingSightings> find_own_things(const home::Home& home, home::RecordingId walk,
+                                            const OwnThingWatch& watch, RunContext& run) {
   ROOMWISE_TRY(const auto all, home.keyframes());
   ROOMWISE_TRY(const auto cameras, recording_cameras(home));
-  std::vector<home::Keyframe> of_walk;
+  std::vector<home::Keyframe> of_walk, looked_at;
   for (const home::Keyframe& keyframe : all) {
     if (keyframe.recording == walk) of_walk.push_back(keyframe);
   }
-  struct Seen {
-    std::vector<FoundOwnThing> found;
-    std::vector<std::optional<Eigen::Vector3d>> middles;
-  };
-  std::map<home::OwnThingId, home::OwnThingSighting> last;
+  for (const std::size_t i : pictures_to_look_at(of_walk.size())) looked_at.push_back(of_walk[i]);
+  OwnThingSightings last;
   ROOMWISE_CHECK_OK(for_each_keyframe(
-      home, some_of(of_walk, kWalkPictures), "looking for what was taught", run,
-      [&](const home::Keyframe& keyframe, const DecodedImages& images) -> Expected<Seen> {
-        ROOMWISE_TRY(auto found, watch.look(images.color));
-        Seen seen{std::move(found), {}};
-        for (const FoundOwnThing& one : seen.found) {
-          seen.middles.push_back(
-              middle_by_depth(images.depth, cameras.at(keyframe.recording), one.box));
-        }
-        return seen;
+      home, looked_at, "looking for what was taught", run,
+      [&](const home::Keyframe& keyframe, const DecodedImages& images) {
+        return own_things_in({images.color, images.depth, cameras.at(keyframe.recording),
+                              keyframe.timestamp_ns, keyframe.id},
+                             watch);
       },
-      [&](const home::Keyframe& keyframe, Expected<Seen> seen) -> Expected<void> {
+      [&](const home::Keyframe&, Expected<OwnThingSightings> seen) -> Expected<void> {
         if (!seen) return Unexpected(std::move(seen).error());
-        for (std::size_t i = 0; i < seen->found.size(); ++i) {
-          last[seen->found[i].id] = {seconds_of(keyframe.timestamp_ns), std::nullopt, keyframe.id,
-                                     seen->middles[i]};
-        }
+        for (const auto& [id, sighting] : *seen) last[id] = sighting;
         return {};
       }));
-  for (const home::OwnThing& thing : watch.things()) {
-    const auto found = last.find(thing.id);
-    if (found == last.end() || !is_newer(found->second, thing.last_seen)) continue;
+  return last;
+}
+
+Expected<void> note_own_things(home::Home& home, const OwnThingSightings& seen) {
+  ROOMWISE_TRY(const auto things, home.own_things());
+  for (const home::OwnThing& thing : things) {
+    const auto found = seen.find(thing.id);
+    if (found == seen.end() || !is_newer(found->second, thing.last_seen)) continue;
     ROOMWISE_CHECK_OK(home.put_own_thing_sighting(thing.id, found->second));
   }
-  return last.size();
+  return {};
 }
 
 Expected<OwnThingLook> look_for_own_things(home::Home& home, const Networks& networks,
@@ -331,7 +345,9 @@ Expected<OwnThingLook> look_for_own_things(home::Home& home, const Networks& net
   ROOMWISE_TRY(const auto watch, watch_own_things(home, networks, detectors));
   ROOMWISE_TRY(const auto recordings, home.recordings());
   if (watch == nullptr || recordings.empty()) return look;
-  ROOMWISE_TRY(look.seen, find_own_things(home, recordings.back().id, *watch, run));
+  ROOMWISE_TRY(const auto seen, find_own_things(home, recordings.back().id, *watch, run));
+  ROOMWISE_CHECK_OK(note_own_things(home, seen));
+  look.seen = seen.size();
   return look;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -67,12 +68,31 @@ constexpr std::size_t kViewsOfAThing = 6;
                                                          std::span<const objects::ShownThing> shown,
                                                          const Networks& networks);
 
-// Looks for them on a walk that is mapped, and notes where each was seen last, unless it was seen
-// later elsewhere: at most kWalkPictures key-frames, evenly spread.
+// A picture of a walk in which they are looked for.
+struct OwnThingPicture {
+  const image::ColorImage& color;
+  const image::DepthImage& depth;
+  const geometry::PinholeCamera& camera;
+  TimestampNs timestamp_ns = 0;
+  home::KeyframeId keyframe = 0;  // beside which it was taken
+  geometry::RigidTransform keyframe_from_camera = {};
+};
+// Where those that a picture shows are: each beside the key-frame. Thread-safe.
+using OwnThingSightings = std::map<home::OwnThingId, home::OwnThingSighting>;
+[[nodiscard]] Expected<OwnThingSightings> own_things_in(const OwnThingPicture& picture,
+                                                        const OwnThingWatch& watch);
+// Of `count` pictures of a walk those in which they are looked for: at most kWalkPictures, evenly
+// spread.
 constexpr std::size_t kWalkPictures = 200;
-// Returns how many were found.
-[[nodiscard]] Expected<std::size_t> find_own_things(home::Home& home, home::RecordingId walk,
-                                                    const OwnThingWatch& watch, RunContext& run);
+[[nodiscard]] std::vector<std::size_t> pictures_to_look_at(std::size_t count);
+
+// Looks for them on a walk that is mapped: where each was seen last.
+[[nodiscard]] Expected<OwnThingSightings> find_own_things(const home::Home& home,
+                                                          home::RecordingId walk,
+                                                          const OwnThingWatch& watch,
+                                                          RunContext& run);
+// Notes where they were seen on a walk, unless the home knows of a later sighting.
+[[nodiscard]] Expected<void> note_own_things(home::Home& home, const OwnThingSightings& seen);
 
 // What became of looking for taught things.
 struct OwnThingLook {

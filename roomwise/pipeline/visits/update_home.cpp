@@ -62,6 +62,7 @@ class VisitComparison {
     HomeUpdate update;
     update.changes.visit = frames.visit;
     update.rooms = frames.rooms;
+    update.own_things = frames.own_things;
     if (frames.rooms) update.changes.pictures = frames.rooms->pictures;
     report_known(changes, frames, update);
     for (const objects::AddedInstance& arrival : changes.arrived) {

@@ -60,6 +60,7 @@ struct HomeUpdate {
   std::vector<ThingUpdate> things;     // those that the home knew, in its order, then the new ones
   std::vector<UnnamedChange> unnamed;  // the largest first
   std::optional<RoomUpdate> rooms;     // where they were to be refreshed
+  OwnThingSightings own_things;        // where things that people taught were seen last
   home::HomeChanges changes;           // what Home::apply_changes() takes
 };
 

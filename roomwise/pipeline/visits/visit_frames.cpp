@@ -194,6 +194,33 @@ Expected<void> look_closer_at_visit(VisitFrames& frames, const recording::Record
   return {};
 }
 
+// Where things that people taught were seen last.
+Expected<OwnThingSightings> find_own_things_of_visit(const home::Home& home,
+                                                     const VisitFrames& frames,
+                                                     const recording::Recording& recording,
+                                                     const OwnThingWatch& watch, RunContext& run) {
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  const std::vector<std::size_t> looked_at = pictures_to_look_at(frames.placed.size());
+  OwnThingSightings last;
+  ROOMWISE_CHECK_OK(in_blocks(
+      looked_at.size(), "looking for what was taught", run,
+      [&](std::size_t i) { return recording.read_color(frames.placed[looked_at[i]].index); },
+      [&](std::size_t i, const image::ColorImage& color) {
+        const PlacedFrame& frame = frames.placed[looked_at[i]];
+        const objects::ObservedKeyframe& observed = frames.observed[looked_at[i]];
+        const geometry::RigidTransform keyframe_from_world =
+            keyframes.at(frame.keyframe).pose.world_from_keyframe.inverse();
+        return own_things_in({color, frame.depth, observed.camera, frame.timestamp_ns,
+                              frame.keyframe, keyframe_from_world * observed.world_from_camera},
+                             watch);
+      },
+      [&](std::size_t, const OwnThingSightings& seen) -> Expected<void> {
+        for (const auto& [id, sighting] : seen) last[id] = sighting;
+        return {};
+      }));
+  return last;
+}
+
 }  // namespace
 
 Expected<void> VisitOptions::validate() const {
@@ -214,6 +241,10 @@ Expected<VisitFrames> observe_visit(const home::Home& home, const std::filesyste
   if (finders.of_proposals != nullptr) {
     ROOMWISE_CHECK_OK(look_closer_at_visit(frames, *recording, *finders.of_proposals,
                                            looker.vocabulary(), level, run));
+  }
+  if (options.own_things) {
+    ROOMWISE_TRY(frames.own_things,
+                 find_own_things_of_visit(home, frames, *recording, *options.own_things, run));
   }
   return frames;
 }

@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "roomwise/home/home.h"
 #include "roomwise/mapping/localization/localization.h"
 #include "roomwise/objects/proposals/object_finders.h"
+#include "roomwise/pipeline/objects/own_things.h"
 #include "roomwise/pipeline/run_context.h"
 #include "roomwise/pipeline/visits/visit_rooms.h"
 
@@ -18,6 +20,8 @@ struct VisitOptions {
   mapping::LocalizerOptions localizer;
   // How the learned rooms are refreshed; absent: they stay as they are.
   std::optional<rooms::VisitLearningOptions> rooms = rooms::VisitLearningOptions{};
+  // Looks for what people taught; null: nobody does.
+  std::shared_ptr<const OwnThingWatch> own_things = nullptr;
 
   [[nodiscard]] Expected<void> validate() const;
 };
@@ -38,11 +42,13 @@ struct VisitFrames {
   // The same as objects/ takes key-frames; their ids are places in `placed`.
   std::vector<objects::ObservedKeyframe> observed;
   std::optional<RoomUpdate> rooms;  // where they were to be refreshed
+  OwnThingSightings own_things;     // where things that people taught were seen last
 };
 
 // Places the frames of a recording on the home's map, one by one, and lets the finders (one at
 // least) look at those that were found there; then closer, from its best views, at what stands
-// apart in their depth (objects::find_proposals), by frames as far apart as key-frames are.
+// apart in their depth (objects::find_proposals), by frames as far apart as key-frames are; and
+// looks for what people taught in as many as on a walk of the map.
 // `level`: of the map. Fails where the home has no map, where the network is not among `networks`
 // that its rooms were learned with, where the recording or a frame cannot be read, as the finders
 // do, and when the user interrupts.
