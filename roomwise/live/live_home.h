@@ -29,6 +29,12 @@ namespace roomwise::live {
 // twice. Its name can change.
 [[nodiscard]] std::string owner_of(const service::Identity& who);
 
+// What became of a file that was handed in.
+struct TakenIn {
+  std::filesystem::path path;     // of the walk: its folder, or file
+  std::optional<JobEnd> refused;  // it is none; why: then there is no path
+};
+
 // Where a thing was seen while the home is open.
 struct OwnSighting {
   std::int64_t seen_s = 0;  // since 1970
@@ -273,10 +279,10 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] std::filesystem::path uploads_folder() const;
   [[nodiscard]] std::filesystem::path photos_folder() const;
   // Makes a walk's folder, or file, of what was handed in.
-  [[nodiscard]] Expected<std::filesystem::path> take_in(const Upload& upload, Progress& progress);
-  [[nodiscard]] Expected<std::filesystem::path> take_in(const Upload& upload,
-                                                        const std::filesystem::path& unpacked,
-                                                        Progress& progress);
+  [[nodiscard]] Expected<TakenIn> take_in(const Upload& upload, Progress& progress);
+  [[nodiscard]] Expected<TakenIn> take_in(const Upload& upload,
+                                          const std::filesystem::path& unpacked,
+                                          Progress& progress);
   // The folder of the walk whose map is not finished, if there is one; the folder of a recording of
   // this home.
   [[nodiscard]] Expected<std::optional<std::filesystem::path>> unfinished_walk();

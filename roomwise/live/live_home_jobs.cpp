@@ -13,6 +13,48 @@ namespace roomwise::live {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// How many pictures of each room there are to learn from.
+std::map<std::string, std::size_t> pictures_to_learn(
+    const HomeView& view, const std::vector<pipeline::RoomPhoto>& photos) {
+  const auto taken = view.walks_taken_away();
+  std::map<std::string, std::size_t> pictures;
+  for (const ViewedKeyframe& one : view.keyframes) {
+    if (!one.room.empty() && !taken.contains(one.keyframe.recording)) ++pictures[one.room];
+  }
+  for (const pipeline::RoomPhoto& photo : photos) ++pictures[photo.room];
+  return pictures;
+}
+
+// Why rooms cannot be learned of what there is, where people can mend that.
+std::optional<JobEnd> why_not_learned(const std::map<std::string, std::size_t>& pictures,
+                                      bool has_network) {
+  if (!has_network) {
+    return job_failure("no_network",
+                       "no network is here to learn rooms with; get one: roomwise networks list");
+  }
+  if (pictures.size() == 1) {
+    return job_failure("one_room",
+                       fmt::format("there are pictures of {} alone; telling rooms apart "
+                                   "takes at least two rooms",
+                                   pictures.begin()->first));
+  }
+  const std::size_t wanted = rooms::LearningOptions{}.min_pictures;
+  const auto fewest =
+      std::ranges::min_element(pictures, {}, [](const auto& room) { return room.second; });
+  if (fewest == pictures.end() || fewest->second >= wanted) return std::nullopt;
+  JobEnd end = job_failure(
+      "few_pictures", fmt::format("there are {} pictures of {}; learning takes at least {} of each "
+                                  "room: walk through it once more, or take photos of it",
+                                  fewest->second, fewest->first, wanted));
+  end.values = {{"pictures", static_cast<std::int64_t>(fewest->second)},
+                {"wanted", static_cast<std::int64_t>(wanted)}};
+  return end;
+}
+
+}  // namespace
+
 Expected<void> LiveHome::start_preparing() {
   return jobs_->start("prepare", [this](Progress& progress) { return prepare(progress); });
 }
@@ -99,6 +141,9 @@ Expected<JobEnd> LiveHome::learn_now(Progress& progress) {
       return job_failure("no_room_named",
                          "no room of a walk that stays is named; name its rooms first");
     }
+  }
+  if (auto why_not = why_not_learned(pictures_to_learn(*view(), photos), !networks_.empty())) {
+    return *std::move(why_not);
   }
   const bool has_walk = taken.empty() ? !recordings.empty() : !learning.walks.empty();
   ROOMWISE_TRY(const auto report,

@@ -762,6 +762,30 @@ class HandedIn : public LiveHomeTest {
   }
 };
 
+TEST_F(LiveHomeTest, WhyRoomsAreNotLearnedIsToldByASentenceOfItsOwn) {
+  open();
+  const auto end_of_learning = [&] {
+    EXPECT_OK(home->learn());
+    home->jobs().wait();
+    return *home->jobs().state();
+  };
+  const auto photograph = [&](const std::string& room, int count) {
+    for (int i = 0; i < count; ++i) {
+      const auto level = static_cast<std::uint8_t>(20 * i + 10);
+      EXPECT_OK(home->photos().add(
+          room, image::encode_png(image::ColorImage(200, 160, {level, level, level}))));
+    }
+  };
+  photograph("kitchen", 6);
+  EXPECT_EQ(end_of_learning().message, "one_room");
+  photograph("hall", 2);
+  const service::JobState few = end_of_learning();
+  EXPECT_EQ(few.state, "failed");
+  EXPECT_EQ(few.message, "few_pictures");
+  EXPECT_EQ(few.values, (std::map<std::string, std::int64_t>{{"pictures", 2}, {"wanted", 5}}));
+  EXPECT_THAT(few.text, HasSubstr("2 pictures of hall"));
+}
+
 TEST_F(HandedIn, AnExportIsMappedThoughTheComputerStoppedMeanwhile) {
   const Bytes archive = archive_of_the_walk();
   const std::string id = hand_in(archive, archive.size() / 2);
@@ -790,7 +814,7 @@ TEST_F(HandedIn, WhatIsNoRecordingIsToldAndWaits) {
   home->jobs().wait();
   EXPECT_EQ(home->jobs().state()->state, "failed");
   EXPECT_THAT(home->jobs().state()->text, HasSubstr("neither a zip archive nor a recording"));
-  EXPECT_EQ(home->jobs().state()->message, "no_recording");
+  EXPECT_EQ(home->jobs().state()->message, "file_unknown");
   service::MetricsText metrics;
   home->write_metrics(metrics);
   EXPECT_THAT(metrics.text(), HasSubstr("jobs_total{job=\"map\",state=\"failed\"} 1\n"));
@@ -799,6 +823,33 @@ TEST_F(HandedIn, WhatIsNoRecordingIsToldAndWaits) {
   EXPECT_THAT(home->uploads().list().value(), SizeIs(1));
   ask("DELETE", "/api/uploads/" + id);
   EXPECT_THAT(home->uploads().list().value(), IsEmpty());
+}
+
+TEST_F(HandedIn, OfEachFileThatIsNoRecordingItIsToldWhy) {
+  const auto end_of = [&](const Bytes& handed_in) {
+    const std::string id = hand_in(handed_in);
+    ask("POST", "/api/uploads/" + id + "/map");
+    home->jobs().wait();
+    ask("DELETE", "/api/uploads/" + id);
+    return home->jobs().state()->message;
+  };
+  const auto archive = [&](const std::vector<std::string>& names) {
+    const std::filesystem::path path = folder / "made.zip";
+    int code = 0;
+    zip_t* made = zip_open(path.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code);
+    for (const std::string& name : names) {
+      zip_file_add(made, name.c_str(), zip_source_buffer(made, "text", 4, 0), 0);
+    }
+    EXPECT_EQ(zip_close(made), 0);
+    return read_file(path).value();
+  };
+  EXPECT_EQ(end_of(archive({"notes.txt"})), "no_recording");
+  EXPECT_EQ(end_of(archive({"a/rgb.txt", "a/depth.txt", "b/rgb.txt", "b/depth.txt"})),
+            "several_recordings");
+  EXPECT_EQ(end_of(archive({"../evil.txt"})), "file_unsafe");
+  Bytes cut = archive({"a/rgb.txt", "a/depth.txt"});
+  cut.resize(cut.size() / 2);
+  EXPECT_EQ(end_of(cut), "file_damaged");
 }
 
 TEST_F(HandedIn, APieceThatDoesNotFitIsAnsweredByWhereToGoOn) {

@@ -46,20 +46,33 @@ std::vector<fs::path> recordings_in(const fs::path& folder, int depth) {
   return found;
 }
 
-Expected<fs::path> recording_in(const fs::path& folder, const std::string& name) {
+TakenIn refused(std::string message, std::string text) {
+  return {{}, job_failure(std::move(message), std::move(text))};
+}
+
+// The recording that was unpacked to a folder, or why there is not one alone.
+TakenIn recording_in(const fs::path& folder, const std::string& name) {
   constexpr int kMaxDepth = 3;  // apps put one or two folders around
   const std::vector<fs::path> found = recordings_in(folder, kMaxDepth);
-  if (found.size() == 1) return found.front();
+  if (found.size() == 1) return {found.front(), {}};
   if (found.size() > 1) {
-    return fail_with(ErrorCode::kRefused, "'{}' holds several recordings; hand them in one by one",
-                     name);
+    return refused("several_recordings",
+                   fmt::format("'{}' holds several recordings; hand them in one by one", name));
   }
   std::string kinds;
   for (const recording::RecordingKind& kind : recording::recording_kinds()) {
     kinds += fmt::format("{}{}", kinds.empty() ? "" : ", ", kind.name);
   }
-  return fail_with(ErrorCode::kRefused,
-                   "'{}' holds no recording of a kind that is read; these are: {}", name, kinds);
+  return refused(
+      "no_recording",
+      fmt::format("'{}' holds no recording of a kind that is read; these are: {}", name, kinds));
+}
+
+// Of a zip archive that was not unpacked; nothing where the error says all by its code.
+std::optional<JobEnd> why_not_unpacked(const Error& error) {
+  if (error.code == ErrorCode::kDamaged) return job_failure("file_damaged", error.message);
+  if (error.code == ErrorCode::kRefused) return job_failure("file_unsafe", error.message);
+  return std::nullopt;
 }
 
 Expected<void> move_to(const fs::path& from, const fs::path& to) {
@@ -88,11 +101,9 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
   }
   ROOMWISE_CHECK_OK(check_idle());
   return jobs_->start("map", [this, upload](Progress& progress) -> Expected<JobEnd> {
-    const auto taken_in = take_in(upload, progress);
-    if (!taken_in && taken_in.error().code == ErrorCode::kRefused) {
-      return job_failure("no_recording", taken_in.error().message);
-    }
-    ROOMWISE_TRY(const fs::path path, taken_in);
+    ROOMWISE_TRY(const TakenIn taken, take_in(upload, progress));
+    if (taken.refused) return *taken.refused;
+    const fs::path& path = taken.path;
     auto mapped = map_folder(path, progress);
     ROOMWISE_TRY(const bool is_in_home, has_recording_of(path));
     if (is_in_home) {
@@ -108,7 +119,7 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
   });
 }
 
-Expected<fs::path> LiveHome::take_in(const Upload& upload, Progress& progress) {
+Expected<TakenIn> LiveHome::take_in(const Upload& upload, Progress& progress) {
   const fs::path unpacked = walks_folder() / ".unpacking";
   std::error_code error;
   fs::remove_all(unpacked, error);  // of a time when the computer was stopped
@@ -119,8 +130,8 @@ Expected<fs::path> LiveHome::take_in(const Upload& upload, Progress& progress) {
   return taken;
 }
 
-Expected<fs::path> LiveHome::take_in(const Upload& upload, const fs::path& unpacked,
-                                     Progress& progress) {
+Expected<TakenIn> LiveHome::take_in(const Upload& upload, const fs::path& unpacked,
+                                    Progress& progress) {
   const fs::path file = uploads_->file_of(upload.id);
   const std::string name = name_of_walk(upload.name);
   // Record3D's recordings are zip archives that are read as they are.
@@ -128,11 +139,12 @@ Expected<fs::path> LiveHome::take_in(const Upload& upload, const fs::path& unpac
     const fs::path path =
         unused_path(walks_folder(), name, fs::path(upload.name).extension().string());
     ROOMWISE_CHECK_OK(move_to(file, path));
-    return path;
+    return TakenIn{path, {}};
   }
   if (!recording::is_zip_file(file)) {
-    return fail_with(ErrorCode::kRefused,
-                     "'{}' is neither a zip archive nor a recording that is read", upload.name);
+    return refused(
+        "file_unknown",
+        fmt::format("'{}' is neither a zip archive nor a recording that is read", upload.name));
   }
   recording::UnpackLimits limits;
   ROOMWISE_TRY(limits.max_bytes, uploads_->room_bytes());
@@ -141,12 +153,18 @@ Expected<fs::path> LiveHome::take_in(const Upload& upload, const fs::path& unpac
                      "the computer's disk has no room to unpack '{}'; free some space",
                      upload.name);
   }
-  ROOMWISE_CHECK_OK(recording::unpack_zip(file, unpacked, limits, progress));
-  ROOMWISE_TRY(const fs::path found, recording_in(unpacked, upload.name));
+  if (const auto done = recording::unpack_zip(file, unpacked, limits, progress); !done) {
+    auto why = why_not_unpacked(done.error());
+    if (!why) return Unexpected(done.error());
+    return TakenIn{{}, std::move(why)};
+  }
+  TakenIn inside = recording_in(unpacked, upload.name);
+  if (inside.refused) return inside;
+  const fs::path& found = inside.path;
   const fs::path path = unused_path(
       walks_folder(), name, fs::is_directory(found) ? std::string() : found.extension().string());
   ROOMWISE_CHECK_OK(move_to(found, path));
-  return path;
+  return TakenIn{path, {}};
 }
 
 }  // namespace roomwise::live

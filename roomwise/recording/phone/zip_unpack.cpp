@@ -102,8 +102,8 @@ class Unpacker {
   [[nodiscard]] Expected<std::vector<Entry>> list() const {
     const zip_int64_t count = zip_get_num_entries(archive_.get(), 0);
     if (static_cast<std::uint64_t>(count) > limits_.max_files) {
-      return fail("{}: holds {} files; at most {} are unpacked", path_.string(), count,
-                  limits_.max_files);
+      return fail_with(ErrorCode::kRefused, "{}: holds {} files; at most {} are unpacked",
+                       path_.string(), count, limits_.max_files);
     }
     std::vector<Entry> entries;
     std::set<std::string> names;
@@ -112,7 +112,7 @@ class Unpacker {
       ROOMWISE_TRY(Entry entry, entry_at(i));
       if (entry.name.ends_with('/') || is_of_the_system(entry.name)) continue;
       if (!names.insert(fs::path(entry.name).lexically_normal()).second) {
-        return fail("{}: names '{}' twice; it is not safe", path_.string(), entry.name);
+        return unsafe(fmt::format("names '{}' twice", entry.name));
       }
       if (entry.bytes > limits_.max_bytes - bytes) return too_large();
       bytes += entry.bytes;
@@ -140,7 +140,7 @@ class Unpacker {
       if (read < 0) return broken(entry, "it is damaged; export it again");
       if (read == 0 && written == entry.bytes) return out.append({});
       if (read == 0 || static_cast<std::uint64_t>(read) > entry.bytes - written) {
-        return broken(entry, "it is not as long as the archive says; it is not safe");
+        return unsafe(fmt::format("'{}' is not as long as the archive says", entry.name));
       }
       ROOMWISE_CHECK_OK(out.append(std::span(buffer).first(static_cast<std::size_t>(read))));
       written += static_cast<std::uint64_t>(read);
@@ -149,26 +149,33 @@ class Unpacker {
 
  private:
   [[nodiscard]] Unexpected broken(const Entry& entry, std::string_view why) const {
-    return fail("{}: {}: {}", path_.string(), entry.name, why);
+    return fail_with(ErrorCode::kDamaged, "{}: {}: {}", path_.string(), entry.name, why);
+  }
+  // By whom it was made nobody knows: who hands it in again is refused again.
+  [[nodiscard]] Unexpected unsafe(const std::string& why) const {
+    return fail_with(ErrorCode::kRefused, "{}: {}; it is not safe", path_.string(), why);
   }
   [[nodiscard]] Unexpected too_large() const {
-    return fail("{}: would become more than the {} MB that there is room for", path_.string(),
-                limits_.max_bytes / 1'000'000);
+    return fail_with(
+        ErrorCode::kDiskFull,
+        "{}: would become more than the {} MB that there is room for; free some space, "
+        "then try again",
+        path_.string(), limits_.max_bytes / 1'000'000);
   }
   [[nodiscard]] Expected<Entry> entry_at(zip_uint64_t index) const {
     zip_stat_t stat;
     zip_stat_init(&stat);
     constexpr zip_uint64_t kNeeded = ZIP_STAT_NAME | ZIP_STAT_SIZE;
     if (zip_stat_index(archive_.get(), index, 0, &stat) != 0 || (stat.valid & kNeeded) != kNeeded) {
-      return fail("{}: its list of files is damaged; export it again", path_.string());
+      return fail_with(ErrorCode::kDamaged, "{}: its list of files is damaged; export it again",
+                       path_.string());
     }
     Entry entry{index, stat.name, stat.size};
     if (entry.name.empty() || leads_out(entry.name)) {
-      return fail("{}: names '{}', a file outside of the archive's folder; it is not safe",
-                  path_.string(), entry.name);
+      return unsafe(fmt::format("names '{}', a file outside of the archive's folder", entry.name));
     }
     if (is_link(archive_.get(), index)) {
-      return fail("{}: '{}' is a link; it is not safe", path_.string(), entry.name);
+      return unsafe(fmt::format("'{}' is a link", entry.name));
     }
     return entry;
   }
@@ -177,8 +184,10 @@ class Unpacker {
     const auto packed = static_cast<double>(fs::file_size(path_, error));
     if (error) return fail("{}: {}", path_.string(), error.message());
     if (static_cast<double>(bytes) <= limits_.max_ratio * packed) return {};
-    return fail("{}: would become {:.0f} times as large; recordings do not, so it is not unpacked",
-                path_.string(), static_cast<double>(bytes) / packed);
+    return fail_with(
+        ErrorCode::kRefused,
+        "{}: would become {:.0f} times as large; recordings do not, so it is not unpacked",
+        path_.string(), static_cast<double>(bytes) / packed);
   }
 
   fs::path path_;
@@ -210,8 +219,10 @@ Expected<void> unpack_zip(const fs::path& archive, const fs::path& folder,
   int code = 0;
   OpenArchive opened(zip_open(archive.c_str(), ZIP_RDONLY, &code));
   if (opened == nullptr) {
-    return fail("{}: cannot be read as a zip archive; it is damaged or not whole, export it again",
-                archive.string());
+    return fail_with(
+        ErrorCode::kDamaged,
+        "{}: cannot be read as a zip archive; it is damaged or not whole, export it again",
+        archive.string());
   }
   const Unpacker unpacker(archive, std::move(opened), limits);
   ROOMWISE_TRY(const std::vector<Entry> entries, unpacker.list());

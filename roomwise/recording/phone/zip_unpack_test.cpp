@@ -83,12 +83,15 @@ TEST_F(ZipUnpackFolder, NamesThatLeadOutAndLinksAreRefused) {
   pack({{"one.txt", "x"}, {"two.txt", "y"}});
   replace_in_archive("two.txt", "one.txt");
   EXPECT_ERROR(unpack(), "twice");
+  EXPECT_EQ(unpack().error().code, ErrorCode::kRefused) << "nobody mends it";
 }
 
 TEST_F(ZipUnpackFolder, AnArchiveThatWouldFillTheDiskIsRefusedBeforeItIsUnpacked) {
   pack({{"zeros", std::string(5'000'000, '\0')}});
   EXPECT_ERROR(unpack(), "times as large");
-  EXPECT_ERROR(unpack({.max_bytes = 4'000'000, .max_ratio = 1e9}), "room for");
+  const auto too_large = unpack({.max_bytes = 4'000'000, .max_ratio = 1e9});
+  EXPECT_ERROR(too_large, "room for");
+  EXPECT_EQ(too_large.error().code, ErrorCode::kDiskFull);
   pack({{"a", "1"}, {"b", "2"}});
   EXPECT_ERROR(unpack({.max_files = 1}), "holds 2 files");
   EXPECT_FALSE(std::filesystem::exists(out_));

@@ -54,7 +54,7 @@ function spaceView(helper: Helper): HTMLElement {
   let pictured: number | null = null; // the key-frame that it shows
   const buttons = h('div', { class: 'row tight', role: 'group', 'aria-label': text('space.controls') });
   const element = h('section', { class: 'space', 'aria-label': text('space.heading') },
-    stage, note, jobView(helper, 'map', 'prepare'), buttons, picture);
+    stage, note, jobView(helper, 'map', 'prepare', 'teach'), buttons, picture);
   void load();
   return element;
 
@@ -103,7 +103,7 @@ function spaceView(helper: Helper): HTMLElement {
     };
     helper.store.watch(['job', 'home'], () => {
       const { job, home } = helper.store.state;
-      if (job !== null && job.kind !== 'learn' && job.state === 'running') {
+      if (job !== null && (job.kind === 'map' || job.kind === 'prepare') && job.state === 'running') {
         maps += 1;
         shown = 'nothing';
         note.textContent = text('space.not_ready');

@@ -4,7 +4,10 @@ import { formatNumber, text, type TextKey } from './texts';
 
 const kEnds: Record<string, TextKey> = {
   prepared: 'job.end.prepared', mapped: 'job.end.mapped', mapped_damaged: 'job.end.mapped_damaged', nothing_waited: 'job.end.nothing_waited',
-  learned: 'job.end.learned', no_room_named: 'job.end.no_room_named', no_recording: 'job.end.no_recording',
+  learned: 'job.end.learned', no_room_named: 'job.end.no_room_named', one_room: 'job.end.one_room', few_pictures: 'job.end.few_pictures',
+  no_network: 'job.end.no_network', file_unknown: 'job.end.file_unknown', no_recording: 'job.end.no_recording',
+  several_recordings: 'job.end.several_recordings', file_damaged: 'job.end.file_damaged', file_unsafe: 'job.end.file_unsafe',
+  taught: 'job.end.taught', taught_for_later: 'job.end.taught_for_later', looked_for: 'job.end.looked_for', name_is_none: 'job.end.name_is_none',
   disk_full: 'job.end.disk_full', damaged: 'job.end.damaged',
 };
 

@@ -67,7 +67,7 @@ export interface RecordingState {
   text: string;
 }
 
-export type JobKind = 'prepare' | 'map' | 'learn';
+export type JobKind = 'prepare' | 'map' | 'learn' | 'teach';
 export type JobState = 'running' | 'done' | 'failed' | 'stopped';
 
 export interface Job {
