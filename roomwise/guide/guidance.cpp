@@ -263,6 +263,7 @@ std::optional<Prompt> Guidance::update(const Walker& walker) {
   const Pose* const pose = track_.pose(walker.now_ns);
   if (pose != nullptr) {
     should_be_there_ = false;
+    unseen_walk_s_ = 0;
     if (auto warning = hazard(*pose, walker.now_ns)) return warning;
     if (auto warning = off_the_way(*pose, walker.now_ns)) return warning;
   }
@@ -710,6 +711,8 @@ Prompt Guidance::go_on_unseen(TimestampNs now_ns) {
   if (state_ == State::kTurning) {
     state_ = State::kWalking;
     const double step_m = unseen_step_m();
+    constexpr double kFeelsTheirWay_m_s = 0.35;
+    unseen_walk_s_ = step_m / kFeelsTheirWay_m_s;
     if (step_m < kSmallStep_m) return say({"guide.small_step"}, now_ns, Confidence::kProbable);
     return say(walk_phrase(distance(step_m), std::nullopt), now_ns, Confidence::kProbable);
   }
@@ -731,12 +734,16 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
                           : stands ? options_.lost_standing_s
                                    : options_.lost_s;
     if (missing_s < most_s) return std::nullopt;
+    const bool still_walks =
+        unseen_walk_s_ > 0 && silent_for_s(now_ns) < unseen_walk_s_ + kReaction_s;
+    if (still_walks) return std::nullopt;
     if (may_go_on_unseen()) {
-      const double wait_s = should_be_there_ ? options_.remind_s : 2 * kReaction_s;
-      const bool is_done = silent_for_s(now_ns) > wait_s;
+      const bool is_done =
+          silent_for_s(now_ns) > (should_be_there_ ? options_.remind_s : 2 * kReaction_s);
       return is_done ? std::optional(go_on_unseen(now_ns)) : std::nullopt;
     }
     state_ = State::kLost;
+    unseen_walk_s_ = 0;
     told_room_.reset();
     reminded_ = false;
     Prompt prompt = say({is_new ? "route.no_place" : "guide.lost"}, now_ns, Confidence::kUnsure,

@@ -195,6 +195,7 @@ class Guidance {
   int begun_ = 0;                 // how much of the beginning was said
   int finished_ = 0;              // how much of the end was said
   bool should_be_there_ = false;  // was told so without a place
+  double unseen_walk_s_ = 0;      // of the steps that were asked for without a place; 0: none were
   bool announced_ = false;        // what comes after this leg
   bool reminded_ = false;         // of what to do now
   bool passes_door_ = false;      // has not been told yet
