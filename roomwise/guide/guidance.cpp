@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 
 #include "roomwise/guide/floor_search.h"
 #include "roomwise/guide/obstacle.h"
@@ -34,6 +36,14 @@ constexpr double kCorrection_s = 3;  // between two of them: the first must be h
 // finer than people turn.
 double straight_enough_rad(double length_m) {
   return std::clamp(std::atan2(0.4, length_m), 15 * kDegree_rad, 25 * kDegree_rad);
+}
+
+// From a place to what is occupied; infinity off the grid.
+double clearance_m(const fusion::FloorGrid& floor, const Vector2d& place) {
+  const Eigen::Array2d cell = ((place - floor.origin_m()) / floor.cell_m()).array().floor();
+  const bool is_inside = (cell >= 0).all() && cell.x() < floor.columns() && cell.y() < floor.rows();
+  return is_inside ? floor.clearance_m(static_cast<int>(cell.x()), static_cast<int>(cell.y()))
+                   : std::numeric_limits<double>::infinity();
 }
 
 double heading_to(const Vector2d& from, const Vector2d& to) {
@@ -78,6 +88,13 @@ Prompt Guidance::say(const Phrase& phrase, TimestampNs now_ns, Confidence confid
   if (confidence == Confidence::kSure) prompt.sound = Sound::kNone;
   silent_from_ns_ = guide::after(now_ns, speaking_s(prompt.text));
   said_at_walked_m_ = track_.walked_m();
+  return prompt;
+}
+
+Prompt Guidance::say_to_turn(const Phrase& phrase, TimestampNs now_ns, Confidence confidence,
+                             double valid_s) {
+  Prompt prompt = say(phrase, now_ns, confidence, valid_s);
+  turns_until_ns_ = guide::after(silent_from_ns_, options_.remind_s);
   return prompt;
 }
 
@@ -249,8 +266,9 @@ std::optional<Prompt> Guidance::update(const Walker& walker) {
     track_.add(*walker.pose, walker.pose_ns);
   }
   // Where a place is not believed, nothing is that was seen from there.
-  const bool is_believed = track_.age_s(walker.pose_ns) == 0;
-  obstacles_ = is_believed ? walker.obstacles : std::vector<Vector2d>();
+  is_placed_ = walker.pose && track_.age_s(walker.pose_ns) == 0;
+  obstacles_ = is_placed_ ? walker.obstacles : std::vector<Vector2d>();
+  obstacle_m_ = walker.obstacle_m;
   keep_pace();
   pose_age_s_ = std::min(track_.age_s(walker.now_ns), kMaxGap_s);
   room_ = walker.room;
@@ -262,8 +280,8 @@ std::optional<Prompt> Guidance::update(const Walker& walker) {
   if (began_ns_ == 0) began_ns_ = walker.now_ns;
   const Pose* const pose = track_.pose(walker.now_ns);
   if (pose != nullptr) {
-    should_be_there_ = false;
-    unseen_walk_s_ = 0;
+    if (std::exchange(should_be_there_, false)) finished_ = 0;
+    steps_until_ns_ = 0;
     if (auto warning = hazard(*pose, walker.now_ns)) return warning;
     if (auto warning = off_the_way(*pose, walker.now_ns)) return warning;
   }
@@ -361,13 +379,13 @@ Prompt Guidance::act(const Pose& pose, TimestampNs now_ns) {
     const double side = *std::exchange(tries_side_, std::nullopt);
     state_ = State::kTurning;
     turn_from_rad_ = pose.heading_rad;
-    return say(turn_phrase(side * kPrecise_rad), now_ns);
+    return say_to_turn(turn_phrase(side * kPrecise_rad), now_ns);
   }
   tries_side_.reset();
   if (std::abs(turn) > enough_rad) {
     state_ = State::kTurning;
     turn_from_rad_ = pose.heading_rad;
-    return say(turn_phrase(turn), now_ns);
+    return say_to_turn(turn_phrase(turn), now_ns);
   }
   if (leg.stairs) {
     stairs_ = leg.stairs;
@@ -614,63 +632,75 @@ std::optional<Prompt> Guidance::on_stairs(const Pose& pose, TimestampNs now_ns) 
 }
 
 bool Guidance::judges_obstacles(TimestampNs now_ns) const {
-  if (state_ == State::kStairs || state_ == State::kTurning) return true;
-  if (state_ == State::kLost && silent_for_s(now_ns) < options_.remind_s) return true;
+  if (state_ == State::kStairs) return true;
+  const bool is_told_to_turn = state_ == State::kTurning || state_ == State::kLost;
+  if (is_told_to_turn && now_ns < turns_until_ns_) return true;
   const bool leads =
       !is_over() && state_ != State::kPaused && state_ != State::kByRooms && state_ != State::kLost;
-  if (!leads || track_.pose(now_ns) == nullptr) return false;
+  // What fills the picture takes the place away, too: then whoever sees it must tell at once.
+  if (!leads || !is_placed_) return false;
   return state_ == State::kWalking || track_.is_standing();
 }
 
-bool Guidance::is_unknown(const Vector2d& obstacle) const {
-  constexpr double kKnown_m = 0.15;  // from what is: places and maps are not exacter
-  return floor().fits(obstacle, kKnown_m);
+bool Guidance::is_on_map(const Vector2d& obstacle) const {
+  constexpr double kKnown_m = 0.15;  // places and maps are not exacter
+  return clearance_m(floor(), obstacle) < kKnown_m;
 }
 
-// A body's width about the line to the leg's end, as narrow as ways are planned: past what the map
-// knows they are led.
-std::optional<double> Guidance::in_the_way_m(const Pose& pose) const {
+// What somebody is led up to is in nobody's way, nor is what it stands on.
+bool Guidance::is_goal(const Vector2d& obstacle) const {
+  const bool is_solid = goal_.kind == Goal::Kind::kThing || goal_.kind == Goal::Kind::kWayOut;
+  return is_solid && is_last_leg() && plan_.reach == Reach::kWhole && goal_.outline &&
+         goal_.outline->distance_m(obstacle) < kHand_m;
+}
+
+// About the line to the leg's end a body's width of what is new. The plan leads past what the map
+// knows, as narrow as ways are: that counts for who has left the plan's line so far that theirs
+// is not clear on the map, or who does not head along it.
+std::optional<Guidance::InTheWay> Guidance::in_the_way(const Pose& pose) const {
   const Leg& leg = legs_[leg_];
   const Vector2d towards = leg.to - pose.position_gravity;
-  const Pose along{pose.position_gravity, towards.norm() > kAtEnd_m
-                                              ? std::atan2(towards.y(), towards.x())
-                                              : leg.heading_rad()};
-  const WalkingCorridor corridor{
-      .half_width_m = options_.plan.narrow_radius_m - kSlack_m,
-      .length_m = std::min(WalkingCorridor().length_m, towards.norm() + kLegEnd_m)};
-  std::vector<Vector2d> ahead;
-  for (const Vector2d& obstacle : obstacles_) {
-    const Vector2d seen = along.ahead_left_of(obstacle);
-    if (seen.x() > 0 && is_unknown(obstacle)) ahead.push_back(seen);
+  const double to_end_m = towards.norm();
+  const Pose along{pose.position_gravity,
+                   to_end_m > kAtEnd_m ? std::atan2(towards.y(), towards.x()) : leg.heading_rad()};
+  const double narrow_m = options_.plan.narrow_radius_m - kSlack_m;
+  const WalkingCorridor line{
+      .half_width_m = options_.body_radius_m,
+      .length_m = std::min(WalkingCorridor().length_m, to_end_m + kLegEnd_m)};
+  const WalkingCorridor narrow{.half_width_m = narrow_m, .length_m = line.length_m};
+  const WalkingCorridor facing{.half_width_m = narrow_m};
+  const auto nearest_m = [&](const Pose& from, const WalkingCorridor& corridor, bool on_map) {
+    std::vector<Vector2d> ahead;
+    for (const Vector2d& obstacle : obstacles_) {
+      const Vector2d seen = from.ahead_left_of(obstacle);
+      const bool counts = seen.x() > 0 && !is_goal(obstacle) && (on_map || !is_on_map(obstacle));
+      if (counts) ahead.push_back(seen);
+    }
+    return nearest_ahead_m(ahead, corridor);
+  };
+  if (const auto ahead_m = nearest_m(along, line, false)) return InTheWay{*ahead_m, false};
+  const double checked_m = std::min(to_end_m, line.length_m);
+  const bool is_clear =
+      FloorSearch(floor(), narrow_m, narrow_m)
+          .is_clear(pose.position_gravity, along.place_of({checked_m, 0}), narrow_m);
+  std::optional<double> known_m = is_clear ? std::nullopt : nearest_m(along, narrow, true);
+  if (!known_m && std::abs(bearing_error_rad(pose)) > straight_enough_rad(to_end_m)) {
+    known_m = nearest_m(pose, facing, true);
   }
-  return nearest_ahead_m(ahead, corridor);
-}
-
-bool Guidance::runs_into_something(const Pose& pose) const {
-  const double to_end_m = (legs_[leg_].to - pose.position_gravity).norm();
-  if (std::abs(bearing_error_rad(pose)) <= straight_enough_rad(to_end_m)) return false;
-  const WalkingCorridor corridor{.half_width_m = options_.plan.narrow_radius_m - kSlack_m};
-  std::vector<Vector2d> ahead;
-  for (const Vector2d& obstacle : obstacles_) {
-    const Vector2d seen = pose.ahead_left_of(obstacle);
-    if (seen.x() > 0) ahead.push_back(seen);
-  }
-  return nearest_ahead_m(ahead, corridor).has_value();
+  return known_m ? std::optional(InTheWay{*known_m, true}) : std::nullopt;
 }
 
 std::optional<Prompt> Guidance::hazard(const Pose& pose, TimestampNs now_ns) {
   if (state_ != State::kWalking || legs_.empty() || map_.floor == nullptr) return std::nullopt;
   if (hazard_ns_ && seconds_between(*hazard_ns_, now_ns) < kSameHazard_s) return std::nullopt;
-  const auto ahead_m = in_the_way_m(pose);
-  if (!ahead_m && !runs_into_something(pose)) return std::nullopt;
+  const auto obstacle = in_the_way(pose);
+  if (!obstacle) return std::nullopt;
   const double left_m = (legs_[leg_].to - pose.position_gravity).norm();
-  // The goal itself is no hazard.
-  if (is_last_leg() && ahead_m.value_or(0) > left_m - kHand_m) return std::nullopt;
-  // Nor is the first step, before which one is stopped anyway.
-  if (is_next_leg_stairs() && ahead_m.value_or(0) > left_m - kLegEnd_m) return std::nullopt;
+  // The first step is no hazard: before it one is stopped anyway.
+  if (is_next_leg_stairs() && obstacle->ahead_m > left_m - kLegEnd_m) return std::nullopt;
   hazard_ns_ = now_ns;
-  const bool is_at_door =
-      ahead_m && legs_[leg_].ends_at_door && std::abs(*ahead_m - left_m) < kLegEnd_m;
+  const bool is_at_door = !obstacle->is_on_map && legs_[leg_].ends_at_door &&
+                          std::abs(obstacle->ahead_m - left_m) < kLegEnd_m;
   // Who was told that a door is closed has opened it, or it was open: what is ahead of them then is
   // its frame or its leaf, beside which they go on.
   const bool is_closed = is_at_door && !was_barred_here(pose);
@@ -679,7 +709,7 @@ std::optional<Prompt> Guidance::hazard(const Pose& pose, TimestampNs now_ns) {
   if (is_at_door) {
     count_barred(pose);
     if (!is_closed) tries_side_ = freer_side(pose);
-  } else if (ahead_m) {
+  } else if (!obstacle->is_on_map) {
     is_barred_by_hazard_ = plan_.reach == Reach::kWhole;
     bar_what_is_seen();
   }
@@ -694,32 +724,66 @@ double Guidance::unseen_step_m() const {
   return std::min(left_m, kHand_m + kLegEnd_m);
 }
 
-// Where they face a bare wall, or stand so near to the goal that a camera sees one front of it, no
-// picture tells of a place. A turn and a step are what they were told, give or take little.
-bool Guidance::may_go_on_unseen() const {
-  if (track_.newest() == nullptr || legs_.empty() || legs_[leg_].stairs) return false;
-  if (state_ == State::kTurning) return true;
+// Where they face a bare wall no picture tells of a place. A turn is what they were told, give or
+// take little, and a step on free floor leads on to where they are seen.
+bool Guidance::may_step_unseen(TimestampNs now_ns) const {
+  constexpr double kOldest_s = 20;  // the turn, and waiting for pictures
+  const Pose* const last = track_.newest();
+  if (state_ != State::kTurning || last == nullptr || legs_.empty() || map_.floor == nullptr)
+    return false;
+  if (legs_[leg_].stairs || is_next_leg_stairs() || track_.age_s(now_ns) > kOldest_s) return false;
+  const double step_m = unseen_step_m();
+  const Vector2d towards = legs_[leg_].to - last->position_gravity;
+  const Vector2d end = last->position_gravity + step_m * towards.normalized();
+  const auto is_near = [&](const Vector2d& place) { return (place - end).norm() < 2 * kHand_m; };
+  const bool is_near_stairs = std::ranges::any_of(known_stairs(), [&](const auto& stairs) {
+    return is_near(stairs.below_plan) || is_near(stairs.above_plan);
+  });
+  // Depth tells otherwise than the map: they do not face where they should.
+  const bool is_barred =
+      obstacle_m_ && *obstacle_m_ < step_m + options_.body_radius_m && !is_goal(end);
+  return !is_near_stairs && !is_barred &&
+         FloorSearch(floor(), kSlack_m, kSlack_m).is_clear(last->position_gravity, end, kSlack_m);
+}
+
+Prompt Guidance::step_unseen(TimestampNs now_ns) {
+  constexpr double kFeelsTheirWay_m_s = 0.35;
+  const double step_m = unseen_step_m();
+  state_ = State::kWalking;
+  Prompt prompt = step_m < kSmallStep_m ? say({"guide.small_step"}, now_ns, Confidence::kProbable)
+                                        : say(walk_phrase(distance(step_m), std::nullopt), now_ns,
+                                              Confidence::kProbable);
+  steps_until_ns_ = guide::after(silent_from_ns_, kReaction_s + step_m / kFeelsTheirWay_m_s);
+  return prompt;
+}
+
+// So near to a thing a camera sees one front of it. They faced it when they were told the last
+// step, by which nobody errs by much.
+bool Guidance::may_end_unseen() const {
+  const Pose* const last = track_.newest();
+  const bool is_solid = goal_.kind == Goal::Kind::kThing || goal_.kind == Goal::Kind::kWayOut;
+  if (state_ != State::kWalking || steps_until_ns_ != 0 || last == nullptr || !is_solid)
+    return false;
+  if (legs_.empty() || !is_last_leg() || plan_.reach != Reach::kWhole) return false;
   const Leg& leg = legs_.back();
-  return state_ == State::kWalking && is_last_leg() && plan_.reach == Reach::kWhole &&
-         (leg.to - track_.newest()->position_gravity).norm() < kHand_m + kLegEnd_m &&
+  return (leg.to - last->position_gravity).norm() < kHand_m + kLegEnd_m &&
          comes_to_rest({leg.to, leg.heading_rad()});
 }
 
-// Who has turned goes a step; who went the last one should be there, and is led on should a picture
-// tell that they are not.
-Prompt Guidance::go_on_unseen(TimestampNs now_ns) {
-  if (state_ == State::kTurning) {
-    state_ = State::kWalking;
-    const double step_m = unseen_step_m();
-    constexpr double kFeelsTheirWay_m_s = 0.35;
-    unseen_walk_s_ = step_m / kFeelsTheirWay_m_s;
-    if (step_m < kSmallStep_m) return say({"guide.small_step"}, now_ns, Confidence::kProbable);
-    return say(walk_phrase(distance(step_m), std::nullopt), now_ns, Confidence::kProbable);
-  }
+// That they should be there, and what to know of it before a hand is at it; the end, unless a
+// picture tells meanwhile that they are not.
+std::optional<Prompt> Guidance::end_unseen(TimestampNs now_ns) {
   const Values goal{{"goal", Nouns{goal_.noun}}};
-  if (!std::exchange(should_be_there_, true)) {
+  if (!should_be_there_) {
+    if (silent_for_s(now_ns) < 2 * kReaction_s) return std::nullopt;
+    should_be_there_ = true;
     return say({"guide.should_be_there", goal}, now_ns, Confidence::kProbable);
   }
+  const std::vector<Phrase> left = at_goal_phrases();
+  if (static_cast<std::size_t>(finished_) < left.size()) {
+    return say(left[static_cast<std::size_t>(finished_++)], now_ns, Confidence::kProbable);
+  }
+  if (silent_for_s(now_ns) < options_.remind_s) return std::nullopt;
   state_ = State::kArrived;
   return say({"guide.there_unseen", goal}, now_ns, Confidence::kUnsure);
 }
@@ -734,20 +798,15 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
                           : stands ? options_.lost_standing_s
                                    : options_.lost_s;
     if (missing_s < most_s) return std::nullopt;
-    const bool still_walks =
-        unseen_walk_s_ > 0 && silent_for_s(now_ns) < unseen_walk_s_ + kReaction_s;
-    if (still_walks) return std::nullopt;
-    if (may_go_on_unseen()) {
-      const bool is_done =
-          silent_for_s(now_ns) > (should_be_there_ ? options_.remind_s : 2 * kReaction_s);
-      return is_done ? std::optional(go_on_unseen(now_ns)) : std::nullopt;
-    }
+    if (now_ns < steps_until_ns_) return std::nullopt;
+    if (may_end_unseen()) return end_unseen(now_ns);
+    if (may_step_unseen(now_ns)) return step_unseen(now_ns);
     state_ = State::kLost;
-    unseen_walk_s_ = 0;
+    steps_until_ns_ = 0;
     told_room_.reset();
     reminded_ = false;
-    Prompt prompt = say({is_new ? "route.no_place" : "guide.lost"}, now_ns, Confidence::kUnsure,
-                        kNoticeValid_s);
+    Prompt prompt = say_to_turn({is_new ? "route.no_place" : "guide.lost"}, now_ns,
+                                Confidence::kUnsure, kNoticeValid_s);
     prompt.sound = Sound::kLost;
     return prompt;
   }
@@ -760,7 +819,7 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
   if (auto prompt = by_rooms(walker)) return prompt;
   if (!reminded_ && silent_for_s(now_ns) > options_.remind_s) {
     reminded_ = true;
-    return say({"route.no_place"}, now_ns, Confidence::kUnsure, kNoticeValid_s);
+    return say_to_turn({"route.no_place"}, now_ns, Confidence::kUnsure, kNoticeValid_s);
   }
   return std::nullopt;
 }
@@ -822,10 +881,24 @@ const KnownThing* Guidance::thing_between(const Vector2d& from) const {
     for (const KnownThing& thing : map_.things) {
       const bool is_known = thing.position_gravity && thing.is_sure(map_.today);
       if (!is_known || thing.name == goal_.noun.name) continue;
-      if (Goal::of(thing, map_.today).outline->distance_m(place) < kHandsBreadth_m) return &thing;
+      const Outline outline = *Goal::of(thing, map_.today).outline;
+      // The goal itself by another name: the front door as the way out.
+      const bool is_goal = outline.middle_gravity == goal_.outline->middle_gravity &&
+                           outline.size_m == goal_.outline->size_m;
+      if (is_goal) continue;
+      if (outline.distance_m(place) < kHandsBreadth_m) return &thing;
     }
   }
   return nullptr;
+}
+
+std::vector<Phrase> Guidance::at_goal_phrases() const {
+  std::vector<Phrase> phrases;
+  if (goal_.kind == Goal::Kind::kThing && goal_.height_m) {
+    phrases.push_back({height_message(*goal_.height_m)});
+  }
+  if (!goal_.note.empty()) phrases.push_back({"where.note", {{"note", as_sentence(goal_.note)}}});
+  return phrases;
 }
 
 // What is said after the first word of the end: how high to reach and what a helper noted, or what
@@ -833,11 +906,7 @@ const KnownThing* Guidance::thing_between(const Vector2d& from) const {
 std::optional<Prompt> Guidance::finish(TimestampNs now_ns) {
   const auto said = static_cast<std::size_t>(finished_++);
   if (state_ == State::kArrived) {
-    std::vector<Phrase> left;
-    if (goal_.kind == Goal::Kind::kThing && goal_.height_m) {
-      left.push_back({height_message(*goal_.height_m)});
-    }
-    if (!goal_.note.empty()) left.push_back({"where.note", {{"note", as_sentence(goal_.note)}}});
+    const std::vector<Phrase> left = at_goal_phrases();
     return said < left.size() ? std::optional(say(left[said], now_ns)) : std::nullopt;
   }
   if (said > 1) return std::nullopt;
@@ -866,31 +935,38 @@ std::optional<Prompt> Guidance::finish(TimestampNs now_ns) {
 // What a cane found and no camera sees: a person's width across the way, as deep as a hand reaches
 // beyond a step.
 void Guidance::bar_what_is_ahead(const Pose& pose) {
-  const Vector2d ahead(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
-  const Vector2d middle = pose.position_gravity + (options_.body_radius_m + 0.35) * ahead;
-  bar([&](const Vector2d& place) { return (place - middle).norm() < options_.body_radius_m; });
+  const Vector2d middle = pose.place_of({options_.body_radius_m + 0.35, 0});
+  bar({&middle, 1}, options_.body_radius_m);
 }
 
 void Guidance::bar_what_is_seen() {
   std::vector<Vector2d> seen;
   std::ranges::copy_if(obstacles_, std::back_inserter(seen),
-                       [&](const Vector2d& obstacle) { return is_unknown(obstacle); });
-  const double reach_m = map_.floor->cell_m();  // no gaps between what is seen 0.1 m apart
-  bar([&](const Vector2d& place) {
-    return std::ranges::any_of(
-        seen, [&](const Vector2d& one) { return (place - one).norm() <= reach_m; });
-  });
+                       [&](const Vector2d& obstacle) { return !is_on_map(obstacle); });
+  constexpr double kSquare_m = 0.1;  // that each of them stands for
+  bar(seen, kSquare_m / 2 + map_.floor->cell_m() / 2);
 }
 
-void Guidance::bar(const std::function<bool(const Vector2d&)>& is_barred) {
+void Guidance::bar(std::span<const Vector2d> middles, double radius_m) {
   if (map_.floor == nullptr) return;
   const fusion::FloorGrid& floor = this->floor();
   image::Image<fusion::FloorCell> cells(floor.columns(), floor.rows(), fusion::FloorCell::kUnknown);
   for (int row = 0; row < floor.rows(); ++row) {
     for (int column = 0; column < floor.columns(); ++column) {
-      cells.at(column, row) = is_barred(floor.cell_middle_m(column, row))
-                                  ? fusion::FloorCell::kOccupied
-                                  : floor.at(column, row);
+      cells.at(column, row) = floor.at(column, row);
+    }
+  }
+  const auto reach = static_cast<int>(std::ceil(radius_m / floor.cell_m()));
+  for (const Vector2d& middle : middles) {
+    const Eigen::Array2i cell =
+        ((middle - floor.origin_m()) / floor.cell_m()).array().floor().cast<int>();
+    for (int row = std::max(0, cell.y() - reach);
+         row <= std::min(floor.rows() - 1, cell.y() + reach); ++row) {
+      for (int column = std::max(0, cell.x() - reach);
+           column <= std::min(floor.columns() - 1, cell.x() + reach); ++column) {
+        if ((floor.cell_middle_m(column, row) - middle).norm() > radius_m) continue;
+        cells.at(column, row) = fusion::FloorCell::kOccupied;
+      }
     }
   }
   barred_floor_ = fusion::FloorGrid(floor.origin_m(), floor.cell_m(), std::move(cells));
@@ -924,7 +1000,7 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
   const Pose* const pose = track_.pose(now_ns);
   const bool is_led = pose != nullptr && !is_over() && state_ != State::kByRooms;
   const auto no_place = [&] {
-    return say({"route.no_place"}, now_ns, Confidence::kUnsure, kNoticeValid_s);
+    return say_to_turn({"route.no_place"}, now_ns, Confidence::kUnsure, kNoticeValid_s);
   };
   switch (request) {
     case GuidanceRequest::kEnd:

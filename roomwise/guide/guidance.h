@@ -1,7 +1,6 @@
 #pragma once
 
 #include <deque>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -41,6 +40,8 @@ struct Walker {
   std::optional<Pose> pose = {};  // by the newest picture that told of one
   TimestampNs pose_ns = 0;        // when that was
   std::optional<std::string> room = {};
+  // What depth shows straight ahead, m, wherever they are; absent where it shows nothing near.
+  std::optional<double> obstacle_m = {};
   // What they could walk into, as the picture of the pose shows it: where on the floor.
   std::vector<Eigen::Vector2d> obstacles = {};
 };
@@ -119,8 +120,15 @@ class Guidance {
   }
   [[nodiscard]] MaybePrompt without_pose(const Walker& walker);
   [[nodiscard]] double unseen_step_m() const;
-  [[nodiscard]] bool may_go_on_unseen() const;
-  [[nodiscard]] Prompt go_on_unseen(TimestampNs now_ns);
+  [[nodiscard]] bool may_step_unseen(TimestampNs now_ns) const;
+  [[nodiscard]] bool may_end_unseen() const;
+  [[nodiscard]] Prompt step_unseen(TimestampNs now_ns);
+  [[nodiscard]] MaybePrompt end_unseen(TimestampNs now_ns);
+  // How high to reach, and what a helper noted.
+  [[nodiscard]] std::vector<Phrase> at_goal_phrases() const;
+  // Was just told to: what is ahead of who turns on the spot is in nobody's way for a while.
+  [[nodiscard]] Prompt say_to_turn(const Phrase& phrase, TimestampNs now_ns,
+                                   Confidence confidence = Confidence::kSure, double valid_s = 2);
   [[nodiscard]] MaybePrompt by_rooms(const Walker& walker);
   [[nodiscard]] MaybePrompt off_the_way(const Pose& pose, TimestampNs now_ns);
   [[nodiscard]] MaybePrompt hazard(const Pose& pose, TimestampNs now_ns);
@@ -144,14 +152,17 @@ class Guidance {
     return barred_floor_ ? *barred_floor_ : *map_.floor;
   }
   [[nodiscard]] bool has_arrived(const Pose& pose);
-  // What the map does not know and the camera sees; in the way: how far ahead on this leg.
-  [[nodiscard]] bool is_unknown(const Eigen::Vector2d& obstacle) const;
-  [[nodiscard]] std::optional<double> in_the_way_m(const Pose& pose) const;
-  // Off their line, and straight at something, known or not.
-  [[nodiscard]] bool runs_into_something(const Pose& pose) const;
+  // What depth shows in the way, how far ahead on this leg, and whether the map knows it.
+  struct InTheWay {
+    double ahead_m = 0;
+    bool is_on_map = false;
+  };
+  [[nodiscard]] std::optional<InTheWay> in_the_way(const Pose& pose) const;
+  [[nodiscard]] bool is_on_map(const Eigen::Vector2d& obstacle) const;
+  [[nodiscard]] bool is_goal(const Eigen::Vector2d& obstacle) const;
   void bar_what_is_ahead(const Pose& pose);
   void bar_what_is_seen();
-  void bar(const std::function<bool(const Eigen::Vector2d&)>& is_barred);
+  void bar(std::span<const Eigen::Vector2d> middles, double radius_m);
   // That somebody came no further, about where they stand now.
   [[nodiscard]] bool was_barred_here(const Pose& pose) const;
   void count_barred(const Pose& pose);
@@ -182,7 +193,9 @@ class Guidance {
   State state_ = State::kBeginning;
   WalkerTrack track_;
   std::optional<std::string> room_;
-  std::vector<Eigen::Vector2d> obstacles_;         // of the newest place that is believed
+  bool is_placed_ = false;                         // by the newest picture, and that is believed
+  std::vector<Eigen::Vector2d> obstacles_;         // that it shows
+  std::optional<double> obstacle_m_;               // straight ahead, wherever that is
   std::optional<fusion::FloorGrid> barred_floor_;  // where the person found the way barred
   std::optional<Eigen::Vector2d> barred_at_;       // and where no other one is known
   std::optional<double> tries_side_;               // where it has more room, after it was barred
@@ -192,16 +205,17 @@ class Guidance {
   Plan plan_;
   std::vector<Leg> legs_;
   std::size_t leg_ = 0;
-  int begun_ = 0;                 // how much of the beginning was said
-  int finished_ = 0;              // how much of the end was said
-  bool should_be_there_ = false;  // was told so without a place
-  double unseen_walk_s_ = 0;      // of the steps that were asked for without a place; 0: none were
-  bool announced_ = false;        // what comes after this leg
-  bool reminded_ = false;         // of what to do now
-  bool passes_door_ = false;      // has not been told yet
-  double turn_from_rad_ = 0;      // the heading when a turn was asked for
-  double pace_m_s_ = 0.5;         // at which they walk when they walk
-  double pose_age_s_ = 0;         // of the newest place that is believed
+  int begun_ = 0;                   // how much of the beginning was said
+  int finished_ = 0;                // how much of the end was said
+  bool should_be_there_ = false;    // was told so without a place
+  TimestampNs steps_until_ns_ = 0;  // the steps that were asked for without a place; 0: none were
+  TimestampNs turns_until_ns_ = 0;  // on the spot, as they were told to
+  bool announced_ = false;          // what comes after this leg
+  bool reminded_ = false;           // of what to do now
+  bool passes_door_ = false;        // has not been told yet
+  double turn_from_rad_ = 0;        // the heading when a turn was asked for
+  double pace_m_s_ = 0.5;           // at which they walk when they walk
+  double pose_age_s_ = 0;           // of the newest place that is believed
   double said_at_walked_m_ = 0;
   std::optional<StairsOnWay> stairs_;  // that are walked over now
   std::optional<TimestampNs> off_since_ns_;

@@ -73,6 +73,7 @@ class GuidanceTest : public ::testing::Test {
       walker.pose_ns = now_ns_;
     }
     walker.room = room_;
+    walker.obstacle_m = depth_m_;
     for (const double left_m : {-0.2, -0.1, 0.0, 0.1, 0.2}) {
       if (is_seen_ && obstacle_m_) {
         walker.obstacles.push_back(walker.pose->place_of({*obstacle_m_, left_m}));
@@ -114,6 +115,7 @@ class GuidanceTest : public ::testing::Test {
   bool is_seen_ = true, has_rooms_ = true;
   std::optional<std::string> room_;
   std::optional<double> obstacle_m_;  // ahead of them, as broad as a body
+  std::optional<double> depth_m_;     // straight ahead, wherever they are
   bool sees_floor_ = false;           // what stands about them, as it is on the map
 };
 
@@ -390,6 +392,69 @@ TEST_F(GuidanceTest, WhoHeadsForAWallBesideTheWayIsStopped) {
   EXPECT_THAT(hear(4), ElementsAre(HasSubstr("urn")));
 }
 
+// Of who walks beside the line, where the map's own table stands in theirs.
+TEST_F(GuidanceTest, WhoHasDriftedToWhatTheMapKnowsIsStoppedBeforeIt) {
+  grid_ = testing::Floor(140, 24).fill({50, 1}, {56, 11}, FloorCell::kOccupied).grid();
+  has_rooms_ = false;
+  lead_to(bed_at({13, 1.6}, "hall"), {0.6, 1.6}, 0);
+  (void)hear(8);
+  ASSERT_EQ(guidance_->state(), State::kWalking);
+  while (place_.x() < 3.9) (void)hear(0.2, 0.6);
+  place_.y() = 0.9;
+  heading_rad_ = 0.07;
+  sees_floor_ = true;
+  EXPECT_THAT(hear(1, 0.4), ::testing::Contains("Stop. Something is in the way."));
+}
+
+TEST_F(GuidanceTest, WhatStandsWhereTheMapNeverLookedIsAnObstacle) {
+  grid_ = testing::Floor(140, 10).fill({40, 1}, {43, 4}, FloorCell::kUnknown).grid();
+  has_rooms_ = false;
+  lead_to(bed_at({13, 0.5}, "hall"), {0.6, 0.5}, 0);
+  (void)hear(8);
+  while (place_.x() < 3.3) (void)hear(0.2, 0.6);
+  Walker sees = walker();
+  sees.now_ns = sees.pose_ns = now_ns_ += kTick;
+  sees.obstacles = {Vector2d(4.15, 0.35)};
+  const auto prompt = guidance_->update(sees);
+  ASSERT_TRUE(prompt);
+  EXPECT_EQ(prompt->message, "guide.stop_obstacle");
+}
+
+// Only what they are led up to is no obstacle; a spot is stood on.
+TEST_F(GuidanceTest, WhatStandsBeforeASpotIsTold) {
+  Goal spot;
+  spot.kind = Goal::Kind::kSpot;
+  spot.noun = {Noun::Kind::kThing, "my place"};
+  spot.outline = Outline{{3, 1.2}, {0, 0}};
+  spot.room = "bedroom";
+  lead_to(spot, {1, 1.2}, 0);
+  (void)hear(8);
+  while (place_.x() < 2) (void)hear(0.2, 0.5);
+  obstacle_m_ = 0.5;
+  EXPECT_THAT(hear(0.4, 0.5), ::testing::Contains("Stop. Something is in the way."));
+}
+
+// What fills the picture takes the place away, too.
+TEST_F(GuidanceTest, WhoIsNoMorePlacedHasWhatIsAheadToldByOthersAtOnce) {
+  lead_to(bed_at({7.3, 0.8}, "kitchen"), {0.6, 3.45}, 0);
+  (void)hear(8);
+  (void)hear(1, 0.6);
+  ASSERT_TRUE(guidance_->judges_obstacles(now_ns_));
+  is_seen_ = false;
+  (void)hear(0.2, 0.6);
+  EXPECT_FALSE(guidance_->judges_obstacles(now_ns_));
+}
+
+TEST_F(GuidanceTest, WhoDoesNotTurnForLongHasWhatIsAheadToldByOthers) {
+  lead_to(room("kitchen"), {1, 3.45}, kPi);
+  (void)hear(9);
+  ASSERT_EQ(guidance_->state(), State::kTurning);
+  is_seen_ = false;
+  EXPECT_TRUE(guidance_->judges_obstacles(now_ns_)) << "turns on the spot, as they were told";
+  (void)hear(40, 0.3);
+  EXPECT_FALSE(guidance_->judges_obstacles(now_ns_));
+}
+
 // What was seen from a place that jumped is not there.
 TEST_F(GuidanceTest, WhatIsSeenFromAPlaceThatIsNotBelievedIsNoObstacle) {
   lead_to(bed_at({3.3, 3.3}, "bedroom"), {0.6, 0.6}, kPi / 4);
@@ -435,9 +500,9 @@ TEST_F(GuidanceTest, WhoWalksTheLastStepUnseenIsToldThatTheyShouldBeThere) {
     for (const std::string& text : hear(20)) said.push_back(text);
     EXPECT_EQ(guidance_->is_over(), seen_to_x > 1.5);
     if (seen_to_x > 1.5) {
-      EXPECT_THAT(
-          said, ElementsAre("You should be there: the bed ahead, in reach.",
-                            "I stop here. If that is not the bed, ask again.", "At knee height."));
+      EXPECT_THAT(said,
+                  ElementsAre("You should be there: the bed ahead, in reach.", "At knee height.",
+                              "I stop here. If that is not the bed, ask again."));
     } else {
       EXPECT_THAT(said, ::testing::Contains("I lost where you are. Stop and turn slowly."));
     }
@@ -514,6 +579,24 @@ TEST_F(GuidanceTest, WhoIsNotSeenAfterATurnGoesAStepAndIsThenLost) {
   EXPECT_THAT(texts(said),
               ElementsAre("Straight on, 2 steps.", "I lost where you are. Stop and turn slowly."));
   EXPECT_EQ(said[0].confidence, Confidence::kProbable);
+}
+
+TEST_F(GuidanceTest, NoStepIsToldUnseenTowardsWhatDepthShows) {
+  lead_to(bed_at({7.3, 0.8}, "kitchen"), {1, 3.45}, kPi);
+  (void)hear(9);
+  ASSERT_EQ(guidance_->state(), State::kTurning);
+  is_seen_ = false;
+  depth_m_ = 0.6;
+  EXPECT_THAT(hear(12), ElementsAre("I lost where you are. Stop and turn slowly."));
+}
+
+// A room has no front before which no picture is placed.
+TEST_F(GuidanceTest, NobodyShouldBeInARoomUnseen) {
+  lead_to(room("kitchen"), {2.6, 3.45}, 0);
+  (void)hear(7);
+  while (place_.x() < 4) (void)hear(0.2, 0.5);
+  is_seen_ = false;
+  EXPECT_THAT(hear(12), ::testing::Contains("I lost where you are. Stop and turn slowly."));
 }
 
 TEST_F(GuidanceTest, APlaceThatNobodyWalksToIsNotBelievedAtOnce) {

@@ -634,15 +634,15 @@ void Device::call_out(const FrameResult& result) {
     // What is in the way of somebody who is led is told by the guidance where that knows the place:
     // it knows the goal, and whether they are to walk. Told again and again to who stands before a
     // thing or turns, it would break off every sentence that says what to do.
+    std::vector<guide::Prompt> of_guide;
+    if (led_) of_guide = led_->after(result, view);
     const bool tells_obstacles = !led_ || !led_->judges_obstacles();
     prompts = announcer_.after({*view, &result, settings_, result.t_ms}, tells_obstacles);
     std::erase_if(prompts, [&](const guide::Prompt& prompt) {
       return prompt.priority == guide::Priority::kCallout &&
              (quiet_ || !settings_.callouts || is_led());
     });
-    if (led_) {
-      for (guide::Prompt& prompt : led_->after(result, view)) prompts.push_back(std::move(prompt));
-    }
+    std::ranges::move(of_guide, std::back_inserter(prompts));
   }
   say(prompts, {}, result.t_ms);
 }

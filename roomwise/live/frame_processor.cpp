@@ -54,7 +54,8 @@ Expected<std::optional<rooms::RoomDecision>> FrameProcessor::decide(
   ROOMWISE_TRY(const rooms::PictureEvidence evidence, recognizer.evidence(seen));
   last_t_ms_ = t_ms;
   pipeline::RoomRecognizer::Localize localize;
-  if (answer) {
+  // What a picture alone does not tell of the place is no evidence of its own.
+  if (answer && !answer->is_carried) {
     localize = [&]() -> Expected<rooms::LocalizationEvidence> {
       return rooms::localization_evidence(*answer, has_depth, home->map->frame, home->layout,
                                           recognizer.rooms());
@@ -74,13 +75,14 @@ Expected<std::optional<mapping::Localization>> FrameProcessor::locate(
     return std::optional(answer);
   }
   const geometry::PinholeCamera& camera = *camera_->calibrated;
-  ROOMWISE_TRY(const motion::FrameMeasurements measured,
+  ROOMWISE_TRY(motion::FrameMeasurements measured,
                home.map->localizer->measure({color, depth, camera}));
   if (track_localizer_ != home.map->localizer) {
     track_.forget();
     track_localizer_ = home.map->localizer;
   }
-  return track_.locate(track_localizer_->localizer(), measured, camera, result.t_ms / 1000);
+  return track_.locate(track_localizer_->localizer(), std::move(measured), camera,
+                       result.t_ms / 1000);
 }
 
 // What it costs does not grow with the number of things: OwnThingSearch bounds the places that a

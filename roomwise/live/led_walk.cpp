@@ -153,6 +153,7 @@ std::vector<guide::Prompt> LedWalk::after(const FrameResult& result,
   walker.pose = location.pose;
   walker.pose_ns = std::llround(result.t_ms * 1e6);
   walker.room = location.room;
+  walker.obstacle_m = result.obstacle_m;
   walker.obstacles = result.obstacles;
   auto prompt = guidance_->update(walker);
   if (!prompt) return {};

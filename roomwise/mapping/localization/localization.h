@@ -123,6 +123,8 @@ struct Localization {
 
   // By a weak hypothesis that was confirmed: the place is right, if this is the home.
   bool is_weak_hypothesis = false;
+  // By the motion from an earlier picture's place: what speaks for it was that picture's evidence.
+  bool is_carried = false;
 
   [[nodiscard]] bool found() const { return status == LocalizationStatus::kFound; }
   // Found, or with something against it.

@@ -488,6 +488,7 @@ Localization Localizer::by_shape(const Query& query) const {
 Localization Localizer::propagate(const Localization& earlier, const motion::RefinedPose& motion,
                                   const Query& second) const {
   Localization carried = earlier;
+  carried.is_carried = true;
   carried.world_from_camera = earlier.world_from_camera * motion.reference_from_current;
   // An error of the first camera's pose, as a twist (omega, v), is this one of the second's.
   const RigidTransform second_from_first = motion.reference_from_current.inverse();
@@ -539,10 +540,18 @@ Localizer::Followed Localizer::follow(const Query& earlier, const Localization& 
   PairLocalization places{place, locate(query)};
   const bool is_near = places.second.found() &&
                        may_show_the_same(place.world_from_camera, places.second.world_from_camera);
-  if (is_near) return {places.second, std::nullopt};
+  const Localization alone = places.second;
+  if (is_near) return {alone, alone, std::nullopt};
   auto carried = carry(earlier, place, query);
-  if (carried) bind(*carried, places);
-  return {places.second, std::move(carried)};
+  const bool is_wrong = carried && carried->status == LocalizationStatus::kContradicted;
+  if (carried && !(is_wrong && alone.found())) bind(*carried, places);
+  return {places.second, alone, std::move(carried)};
+}
+
+bool Localizer::agree(const Query& first, const Localization& first_place, const Query& second,
+                      const Localization& second_place) const {
+  const auto carried = carry(first, first_place, second);
+  return carried && is_same(carried->world_from_camera, second_place.world_from_camera);
 }
 
 std::optional<Localization> Localizer::carry(const Query& first, const Localization& place,

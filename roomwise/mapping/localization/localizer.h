@@ -77,14 +77,18 @@ class Localizer {
   struct Followed {
     // Where it alone gives no answer, the motion since then does, as long as that leaves the place
     // precise and what the map shows there does not contradict it. Where it alone tells a place to
-    // which that motion does not lead, it has none.
+    // which that motion does not lead, it has none, unless the map contradicts where it leads.
     Localization place;
+    Localization alone;  // what it tells by itself
     // By the motion alone; nothing where that is not known, or was not asked for since the picture
     // alone tells of a place nearby.
     std::optional<Localization> carried;
   };
   [[nodiscard]] Followed follow(const Query& earlier, const Localization& place,
                                 const Query& query) const;
+  // Whether the motion between two pictures leads from the place of the one to that of the other.
+  [[nodiscard]] bool agree(const Query& first, const Localization& first_place, const Query& second,
+                           const Localization& second_place) const;
 
  private:
   // Key-frames that show one place, by their index; the first looks most like the picture.

@@ -492,6 +492,24 @@ TEST_F(LocalizerTest, ATrackBelievesNoPlaceThatItsMotionDoesNotLeadTo) {
     EXPECT_FALSE(track.locate(localizer, there, kCamera, t_s).found()) << t_s;
   }
   expect_there(track.locate(localizer, here, kCamera, 3.5), pose_, 0.03, 0.02);
+  // Also where nothing binds the two, and they stand before it for long.
+  track.forget();
+  const FrameMeasurements only_here{landmarks_.seen_from(pose_)},
+      only_there{others.seen_from(pose_)};
+  ASSERT_TRUE(track.locate(localizer, only_here, kCamera, 0).found());
+  for (double t_s = 0.5; t_s < 20; t_s += 0.5) {
+    EXPECT_FALSE(track.locate(localizer, only_there, kCamera, t_s).found()) << t_s;
+  }
+  expect_there(track.locate(localizer, only_here, kCamera, 20.5), pose_, 0.03, 0.02);
+  // Where it was the first that deceived, two others from different points of view end it.
+  track.forget();
+  ASSERT_TRUE(track.locate(localizer, there, kCamera, 3.6).found());
+  EXPECT_FALSE(track.locate(localizer, here, kCamera, 3.7).found());
+  EXPECT_FALSE(track.locate(localizer, here, kCamera, 3.8).found()) << "the same once more";
+  const RigidTransform aside = pose_ * motion_by({0, 0.1, 0}, {0.3, 0, 0});
+  const FrameMeasurements moved{joined(landmarks_.seen_from(aside), common.seen_from(aside))};
+  expect_there(track.locate(localizer, moved, kCamera, 3.9), aside, 0.03, 0.02);
+  expect_there(track.locate(localizer, here, kCamera, 4.0), pose_, 0.03, 0.02);
   // After a while without pictures anything may have happened.
   EXPECT_TRUE(track.locate(localizer, there, kCamera, 13.5).found());
   track.forget();
