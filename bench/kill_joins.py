@@ -38,6 +38,8 @@ class Mapping:
         self.lines = []
         self.stored = threading.Event()
         self.ended = threading.Event()
+        self.began_s = self.stored_s = time.monotonic()
+        self.ended_s = None
         self.process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         self.reader = threading.Thread(target=self._read, daemon=True)
         self.reader.start()
@@ -46,7 +48,9 @@ class Mapping:
         for line in self.process.stderr:
             self.lines.append(line.strip())
             if line.startswith(FRAMES_STORED) and " in " in line:
+                self.stored_s = time.monotonic()
                 self.stored.set()
+        self.ended_s = time.monotonic()
         self.ended.set()
         self.stored.set()  # nobody waits for what will not come
 
@@ -103,15 +107,16 @@ class Bench:
             if Mapping(self.command(walk, self.before)).wait() != 0:
                 raise SystemExit(f"{walk} cannot be mapped")
         self.copy_to(self.reference)
-        began = time.monotonic()
         mapping = Mapping(self.command(self.options.walks[-1], self.reference))
-        mapping.stored.wait()
-        stored = time.monotonic()
         if mapping.wait() != 0:
             raise SystemExit(f"{self.options.walks[-1]} cannot be mapped: {mapping.lines}")
-        self.whole_s, self.rest_s = time.monotonic() - began, time.monotonic() - stored
+        self.take_times(mapping)
         self.expected = self.content(self.reference)
         self.names = [one["name"] for one in self.info(self.before)["recordings"]]
+
+    def take_times(self, mapping):
+        """Of a whole run: the machine may have more or less to do than it had."""
+        self.whole_s, self.rest_s = mapping.ended_s - mapping.began_s, mapping.ended_s - mapping.stored_s
 
     def content(self, home):
         """All that must be the same, each part by its name."""
@@ -147,6 +152,8 @@ class Bench:
             return True
         if (code := mapping.wait()) != 0:
             raise Fault(f"map ended with {code}: {' | '.join(mapping.lines[-3:])}")
+        if not resume:
+            self.take_times(mapping)
         return False
 
     def one_join(self):
