@@ -83,7 +83,8 @@ class Bench:
 
     def command(self, walk, home, *more):
         camera = ["--camera", self.options.camera] if self.options.camera else []
-        return [self.options.program, "map", walk, "--home", str(home), "--no-networks", "--threads", str(self.options.threads), *camera, *more]
+        return [self.options.program, "map", walk, "--home", str(home), "--no-networks", "--threads",
+                str(self.options.threads), *camera, *more]
 
     def roomwise(self, *arguments):
         done = subprocess.run([self.options.program, *map(str, arguments)], capture_output=True, text=True)
