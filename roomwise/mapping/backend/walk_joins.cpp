@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -77,9 +78,10 @@ class ViewJudge {
             const WalkJoinOptions& options)
       : poses_(solution.world_from_keyframe), compare_(compare), options_(options) {}
 
-  // Whether their views say that two parts are different places.
-  [[nodiscard]] Expected<bool> contradicts(std::span<const KeyframeId> one,
-                                           std::span<const KeyframeId> other) const {
+  // Where their views say that two parts are different places, the share of what overlaps that is
+  // the same surface all the same.
+  [[nodiscard]] Expected<std::optional<double>> contradiction(
+      std::span<const KeyframeId> one, std::span<const KeyframeId> other) const {
     if (other.size() < one.size()) std::swap(one, other);
     Shared shared;
     for (const auto& [id, nearest] : compared(one, other)) {
@@ -89,9 +91,11 @@ class ViewJudge {
         ROOMWISE_CHECK_OK(shared.add(agreement(near, id)));
       }
     }
-    return shared.most >= options_.min_overlap &&
-           (shared.agreeing < options_.min_agreeing * shared.overlap ||
-            shared.seen_through > options_.max_seen_through * shared.overlap);
+    const bool is_contradicted = shared.overlap > 0 && shared.most >= options_.min_overlap &&
+                                 (shared.agreeing < options_.min_agreeing * shared.overlap ||
+                                  shared.seen_through > options_.max_seen_through * shared.overlap);
+    if (!is_contradicted) return std::nullopt;
+    return shared.agreeing / shared.overlap;
   }
 
  private:
@@ -216,20 +220,21 @@ Expected<std::vector<PoseGraphEdge>> without_contradicted_joins(
   const std::vector<std::size_t> piece_of = components_by_size(part_of.size(), within, count);
   std::vector<std::vector<KeyframeId>> pieces(count);
   for (KeyframeId id = 0; id < piece_of.size(); ++id) pieces[piece_of[id]].push_back(id);
-  const auto joined_by = [&](const PoseGraphEdge& edge) {
+  const auto joined_by = [&](const PoseGraphEdge& edge) -> std::pair<std::size_t, std::size_t> {
     return std::minmax({piece_of[edge.from], piece_of[edge.to]});
   };
-  std::map<std::pair<std::size_t, std::size_t>, bool> is_contradicted;
+  std::set<std::pair<std::size_t, std::size_t>> joined;
   for (const PoseGraphEdge& edge : edges) {
-    const auto [one, other] = joined_by(edge);
-    if (!is_join(edge) || is_contradicted.contains({one, other})) continue;
-    const ViewJudge judge(solution, compare, options);
-    ROOMWISE_TRY(const bool is_wrong, judge.contradicts(pieces[one], pieces[other]));
-    is_contradicted[{one, other}] = is_wrong;
+    if (is_join(edge)) joined.insert(joined_by(edge));
+  }
+  const ViewJudge judge(solution, compare, options);
+  std::optional<std::pair<double, std::pair<std::size_t, std::size_t>>> worst;
+  for (const auto& [one, other] : joined) {
+    ROOMWISE_TRY(const auto agreeing, judge.contradiction(pieces[one], pieces[other]));
+    if (agreeing && (!worst || *agreeing < worst->first)) worst = {*agreeing, {one, other}};
   }
   std::erase_if(kept, [&](const PoseGraphEdge& edge) {
-    const auto [one, other] = joined_by(edge);
-    return is_join(edge) && is_contradicted.at({one, other});
+    return worst && is_join(edge) && joined_by(edge) == worst->second;
   });
   return kept;
 }

@@ -45,8 +45,10 @@ using CompareDepths = std::function<Expected<motion::ViewAgreement>(
     KeyframeId reference, KeyframeId current,
     const geometry::RigidTransform& reference_from_current)>;
 
-// The edges without those that join parts of which, where `solution` puts them, the key-frames say
-// that they are different places. All edges must be those of the solution.
+// The edges without those that join two parts of which, where `solution` puts them, the key-frames
+// say that they are different places. Of several such pairs only the one that agrees least goes: in
+// a ring of parts a wrong join bends the right ones, which must be judged anew without it, until
+// all stay. All edges must be those of the solution.
 [[nodiscard]] Expected<std::vector<PoseGraphEdge>> without_contradicted_joins(
     std::span<const std::size_t> part_of, std::span<const PoseGraphEdge> edges,
     const MapSolution& solution, const CompareDepths& compare, const WalkJoinOptions& options = {});

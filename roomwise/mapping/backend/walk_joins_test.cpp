@@ -144,6 +144,46 @@ TEST_F(WalkJoins, ViewsAreComparedWhereTheSolutionPutsThem) {
   EXPECT_EQ(compared, 4U) << "two key-frames with one each, both ways";
 }
 
+// The first of three parts, ten key-frames long, is joined rightly with the second, that with the
+// third, and by one wrong edge the first with the third, which bends the others.
+TEST_F(WalkJoins, AWrongJoinInARingDoesNotTakeTheRightOnesWithIt) {
+  constexpr std::array<std::size_t, 2 * kOfWalk> kPartOf{0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+                                                         1, 1, 1, 1, 1, 2, 2, 2, 2, 2};
+  std::erase_if(edges_, [](const PoseGraphEdge& edge) { return edge.to == 15; });
+  for (const KeyframeId id : {0U, 2U, 4U}) add(id, kOfWalk + id, false);
+  for (const KeyframeId id : {12U, 13U, 14U}) add(id, id + 3, false);
+  add(7, 17, false, RigidTransform({1, 0, 0, 0}, {0.6, 0.4, 0}) * wrong_place());
+  const PoseGraphEdge wrong = edges_.back();
+  // Of what overlaps half agrees where they are this far from where they are in truth.
+  constexpr double kHalf_m = 0.02;
+  const CompareDepths compare = [&](KeyframeId reference, KeyframeId current,
+                                    const RigidTransform& reference_from_current) {
+    const RigidTransform apart =
+        reference_from_current.inverse() * truth_[reference].inverse() * truth_[current];
+    const double agreeing = kHalf_m / (kHalf_m + apart.distance_m());
+    return motion::ViewAgreement{.overlap = 0.5, .agreeing = agreeing, .in_front = 1 - agreeing};
+  };
+  const auto judged = [&](const std::vector<PoseGraphEdge>& edges) {
+    const auto solution = solve_map(kPartOf.size(), edges);
+    EXPECT_OK(solution);
+    return without_contradicted_joins(kPartOf, edges, *solution, compare);
+  };
+  const auto bent = solve_map(kPartOf.size(), edges_);
+  ASSERT_OK(bent);
+  const auto& poses = bent->world_from_keyframe;
+  ASSERT_LT(compare(4, 14, poses[4].inverse() * poses[14])->agreeing, 0.6)
+      << "a right one looks wrong beside the wrong one";
+  const auto kept = judged(edges_);
+  ASSERT_OK(kept);
+  EXPECT_THAT(*kept, SizeIs(edges_.size() - 1));
+  EXPECT_TRUE(std::ranges::none_of(*kept, [&](const PoseGraphEdge& edge) {
+    return edge.from == wrong.from && edge.to == wrong.to;
+  }));
+  const auto again = judged(*kept);
+  ASSERT_OK(again);
+  EXPECT_THAT(*again, SizeIs(kept->size()));
+}
+
 TEST_F(WalkJoins, WhatCannotBeComparedIsAnError) {
   for (const KeyframeId id : {0U, 3U, 6U}) add(id, kOfWalk + id, true);
   const auto solution = solve_map(2 * kOfWalk, edges_);

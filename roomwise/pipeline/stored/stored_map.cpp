@@ -108,7 +108,7 @@ Expected<mapping::MapSolution> solve_joined(const home::Home& home,
   ROOMWISE_TRY(edges, mapping::without_unsupported_joins(part_of, edges, solver));
   ROOMWISE_TRY(ComparedViews views, ComparedViews::of(home));
   const mapping::CompareDepths compare = [&](auto&&... pair) { return views.compare(pair...); };
-  // What was bent by a wrong join is judged anew without it.
+  // Without the worst, what was bent by it is judged anew.
   while (true) {
     ROOMWISE_TRY(mapping::MapSolution solution, mapping::solve_map(part_of.size(), edges, solver));
     ROOMWISE_TRY(auto kept, mapping::without_contradicted_joins(part_of, edges, solution, compare));
