@@ -231,6 +231,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   auto mapped = pipeline::map_recording(frames, recording, home, networks, settings, run, finders);
   if (!mapped) return Unexpected(std::move(mapped).error());
   const pipeline::MapSummary& summary = *mapped;
+  for (const std::string& why : summary.unread) context.progress.note("not compared: " + why);
   if (!summary.finished) {
     return fail_with(
         ErrorCode::kInterrupted,

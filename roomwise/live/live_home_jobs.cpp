@@ -276,6 +276,7 @@ Expected<JobEnd> LiveHome::map(const fs::path& folder, recording::FrameSource& w
         pipeline::map_recording(frames, recording, home_, networks_, settings, run, finders_);
     if (!mapped || !mapped->finished) ROOMWISE_CHECK_OK(refresh(nullptr));  // it may be forgotten
     ROOMWISE_TRY(summary, std::move(mapped));
+    for (const std::string& why : summary.unread) meters_.failed("comparing walks", Error{why});
     if (!summary.finished) {
       return fail_with(ErrorCode::kInterrupted,
                        "stopped; it goes on when the computer starts again");

@@ -80,15 +80,15 @@ class ViewJudge {
 
   // Where their views say that two parts are different places, the share of what overlaps that is
   // the same surface all the same.
-  [[nodiscard]] Expected<std::optional<double>> contradiction(
-      std::span<const KeyframeId> one, std::span<const KeyframeId> other) const {
+  [[nodiscard]] std::optional<double> contradiction(std::span<const KeyframeId> one,
+                                                    std::span<const KeyframeId> other) const {
     if (other.size() < one.size()) std::swap(one, other);
     Shared shared;
     for (const auto& [id, nearest] : compared(one, other)) {
       for (const KeyframeId near : nearest) {
         // Both ways round: what hides something looks the other way like what is seen through.
-        ROOMWISE_CHECK_OK(shared.add(agreement(id, near)));
-        ROOMWISE_CHECK_OK(shared.add(agreement(near, id)));
+        shared.add(agreement(id, near));
+        shared.add(agreement(near, id));
       }
     }
     const bool is_contradicted = shared.overlap > 0 && shared.most >= options_.min_overlap &&
@@ -103,18 +103,15 @@ class ViewJudge {
   struct Shared {
     double most = 0, overlap = 0, agreeing = 0, seen_through = 0;
 
-    [[nodiscard]] Expected<void> add(const Expected<motion::ViewAgreement>& pair) {
-      if (!pair) return Unexpected(pair.error());
-      most = std::max(most, pair->overlap);
-      overlap += pair->overlap;
-      agreeing += pair->overlap * pair->agreeing;
-      seen_through += pair->overlap * pair->seen_through;
-      return {};
+    void add(const motion::ViewAgreement& pair) {
+      most = std::max(most, pair.overlap);
+      overlap += pair.overlap;
+      agreeing += pair.overlap * pair.agreeing;
+      seen_through += pair.overlap * pair.seen_through;
     }
   };
 
-  [[nodiscard]] Expected<motion::ViewAgreement> agreement(KeyframeId reference,
-                                                          KeyframeId current) const {
+  [[nodiscard]] motion::ViewAgreement agreement(KeyframeId reference, KeyframeId current) const {
     return compare_(reference, current, poses_[reference].inverse() * poses_[current]);
   }
 
@@ -230,7 +227,7 @@ Expected<std::vector<PoseGraphEdge>> without_contradicted_joins(
   const ViewJudge judge(solution, compare, options);
   std::optional<std::pair<double, std::pair<std::size_t, std::size_t>>> worst;
   for (const auto& [one, other] : joined) {
-    ROOMWISE_TRY(const auto agreeing, judge.contradiction(pieces[one], pieces[other]));
+    const std::optional<double> agreeing = judge.contradiction(pieces[one], pieces[other]);
     if (agreeing && (!worst || *agreeing < worst->first)) worst = {*agreeing, {one, other}};
   }
   std::erase_if(kept, [&](const PoseGraphEdge& edge) {

@@ -40,10 +40,11 @@ struct WalkJoinOptions {
     std::span<const std::size_t> part_of, std::span<const PoseGraphEdge> edges,
     const MapSolverOptions& solver = {}, const WalkJoinOptions& options = {});
 
-// How well the depths that two key-frames measured agree at a pose.
-using CompareDepths = std::function<Expected<motion::ViewAgreement>(
-    KeyframeId reference, KeyframeId current,
-    const geometry::RigidTransform& reference_from_current)>;
+// How well the depths that two key-frames measured agree at a pose; what cannot be read overlaps
+// with nothing, and says nothing.
+using CompareDepths =
+    std::function<motion::ViewAgreement(KeyframeId reference, KeyframeId current,
+                                        const geometry::RigidTransform& reference_from_current)>;
 
 // The edges without those that join two parts of which, where `solution` puts them, the key-frames
 // say that they are different places. Of several such pairs only the one that agrees least goes: in

@@ -200,13 +200,14 @@ Expected<void> solve(home::Home& home, const MapSettings& settings, mapping::Map
   const auto timing = run.clock.measure("optimisation");
   return home.atomically([&]() -> Expected<void> {
     ROOMWISE_TRY(const mapping::FindFeatures features, landmark_features(home, mapper, settings));
-    ROOMWISE_TRY(const SolvedMap solved, solve_stored_map(home, settings, features, run.progress));
+    ROOMWISE_TRY(SolvedMap solved, solve_stored_map(home, settings, features, run.progress));
     if (solved.refinement) {
       summary.landmarks = solved.refinement->landmarks;
       summary.landmark_views = solved.refinement->views;
       summary.readout_s = solved.refinement->readout_s;
     }
     summary.rejected_edges = solved.solution.rejected_edges;
+    summary.unread = std::move(solved.unread);
     summary.graph_error_before = solved.solution.report.error_before;
     summary.graph_error_after = solved.solution.report.error_after;
     return put_stage(home, walk, MapStage::kSolved);

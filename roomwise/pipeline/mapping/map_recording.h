@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "roomwise/home/home.h"
 #include "roomwise/objects/proposals/object_finders.h"
@@ -33,6 +35,9 @@ struct MapSummary {
   std::uint64_t landmarks = 0;
   std::uint64_t landmark_views = 0;
   std::optional<double> readout_s;  // of the camera's rolling shutter, where frames tell it
+  // Why key-frames could not be read that would have told whether the walk shows a place that the
+  // map knows.
+  std::vector<std::string> unread;
   bool finished =
       false;  // false: interrupted, or the recording gave an error; the home goes on from there
 };

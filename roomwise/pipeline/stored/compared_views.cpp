@@ -16,32 +16,38 @@ Expected<ComparedViews> ComparedViews::of(const home::Home& home) {
   return views;
 }
 
-Expected<motion::ViewAgreement> ComparedViews::compare(
+motion::ViewAgreement ComparedViews::compare(
     home::KeyframeId reference, home::KeyframeId current,
     const geometry::RigidTransform& reference_from_current) {
-  ROOMWISE_TRY(const motion::RgbdPyramid* const one, view(reference));
-  ROOMWISE_TRY(const motion::RgbdPyramid* const other, view(current));
-  return motion::compare_views(*one, *other, reference_from_current);
+  return motion::compare_views(view(reference), view(current), reference_from_current);
 }
 
-Expected<const motion::RgbdPyramid*> ComparedViews::view(home::KeyframeId id) {
-  if (const auto known = views_.find(id); known != views_.end()) return &known->second;
+const motion::RgbdPyramid& ComparedViews::view(home::KeyframeId id) {
+  const auto [held, is_new] = views_.try_emplace(id);
+  if (is_new) {
+    if (auto read_now = read(id)) {
+      held->second = *std::move(read_now);
+    } else {
+      unread_.push_back(
+          fmt::format("{}: key-frame {}: {}", home_->file(), id, read_now.error().message));
+    }
+  }
+  return held->second;
+}
+
+Expected<motion::RgbdPyramid> ComparedViews::read(home::KeyframeId id) const {
   const geometry::PinholeCamera& camera = cameras_.at(id);
-  const auto depth = home_->images(id).and_then(
-      [](const home::KeyframeImages& images) { return image::decode_depth(images.depth); });
-  const auto named = [&](const Error& error) {
-    return Unexpected(Error(error).in(fmt::format("{}: key-frame {}", home_->file(), id)));
-  };
-  if (!depth) return named(depth.error());
-  if (depth->width() != camera.width || depth->height() != camera.height) {
-    return fail("{}: key-frame {}: the depth image is {}x{}, its camera takes {}x{}", home_->file(),
-                id, depth->width(), depth->height(), camera.width, camera.height);
+  ROOMWISE_TRY(const home::KeyframeImages images, home_->images(id));
+  ROOMWISE_TRY(const image::DepthImage depth, image::decode_depth(images.depth));
+  if (depth.width() != camera.width || depth.height() != camera.height) {
+    return fail("the depth image is {}x{}, its camera takes {}x{}", depth.width(), depth.height(),
+                camera.width, camera.height);
   }
   // Brightness is not compared.
   motion::RgbdPyramid small =
-      motion::make_rgbd_pyramid(image::GrayImage(camera.width, camera.height), *depth, camera);
+      motion::make_rgbd_pyramid(image::GrayImage(camera.width, camera.height), depth, camera);
   motion::PyramidLevel level = motion::compared_level(small);
-  return &views_.emplace(id, motion::RgbdPyramid{{std::move(level)}}).first->second;
+  return motion::RgbdPyramid{{std::move(level)}};
 }
 
 }  // namespace roomwise::pipeline

@@ -101,10 +101,9 @@ std::vector<std::size_t> parts_of_map(std::span<const home::Keyframe> keyframes,
 
 // Solves the map without joins that too few edges bear out, or that the views contradict where they
 // would put them; those edges go from `edges`.
-Expected<mapping::MapSolution> solve_joined(const home::Home& home,
-                                            const std::vector<std::size_t>& part_of,
-                                            std::vector<mapping::PoseGraphEdge>& edges,
-                                            const mapping::MapSolverOptions& solver) {
+Expected<SolvedMap> solve_joined(const home::Home& home, const std::vector<std::size_t>& part_of,
+                                 std::vector<mapping::PoseGraphEdge>& edges,
+                                 const mapping::MapSolverOptions& solver) {
   ROOMWISE_TRY(edges, mapping::without_unsupported_joins(part_of, edges, solver));
   ROOMWISE_TRY(ComparedViews views, ComparedViews::of(home));
   const mapping::CompareDepths compare = [&](auto&&... pair) { return views.compare(pair...); };
@@ -112,7 +111,7 @@ Expected<mapping::MapSolution> solve_joined(const home::Home& home,
   while (true) {
     ROOMWISE_TRY(mapping::MapSolution solution, mapping::solve_map(part_of.size(), edges, solver));
     ROOMWISE_TRY(auto kept, mapping::without_contradicted_joins(part_of, edges, solution, compare));
-    if (kept.size() == edges.size()) return solution;
+    if (kept.size() == edges.size()) return SolvedMap{std::move(solution), {}, views.unread()};
     edges = std::move(kept);
   }
 }
@@ -147,8 +146,7 @@ Expected<SolvedMap> solve_stored_map(home::Home& home, const MapSettings& settin
     edges = edges_to_join(keyframes, measured, first_keyframe_of(keyframes, recordings.back().id),
                           settings.solver);
   }
-  SolvedMap solved;
-  ROOMWISE_TRY(solved.solution,
+  ROOMWISE_TRY(SolvedMap solved,
                solve_joined(home, parts_of_map(keyframes, recordings), edges, settings.solver));
   solved.solution.rejected_edges += measured.size() - edges.size();
   if (settings.adjusts_bundle() && !keyframes.empty()) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "roomwise/base/progress.h"
@@ -21,6 +22,8 @@ struct SolvedMap {
   mapping::MapSolution solution;  // of the pose graph
   // Where the settings adjust the bundle: the key-frames are where this puts them.
   std::optional<mapping::MapRefinement> refinement;
+  // Why key-frames could not be read that would have told whether parts show the same place.
+  std::vector<std::string> unread;
 };
 
 // Optimises the pose graph of all that is stored, adjusts the bundle where the settings say so, and
