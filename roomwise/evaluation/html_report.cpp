@@ -75,7 +75,7 @@ std::string objects_section(const std::vector<ReportContent::Object>& objects) {
     const Eigen::Vector3d& place = entry.object.place_world;
     html += fmt::format(
         "<li>\n{}<div class=\"about\">\n<h3>{}. {}</h3>\n<dl>\n"
-        "<dt>Room</dt><dd>{}</dd>\n<dt>Score</dt><dd>{:.2f}</dd>\n<dt>Seen in</dt><dd>{} "
+        "<dt>Seen from</dt><dd>{}</dd>\n<dt>Score</dt><dd>{:.2f}</dd>\n<dt>Seen in</dt><dd>{} "
         "key-frame{}</dd>\n<dt>Place</dt><dd>{:.2f}, {:.2f}, {:.2f}</dd>\n</dl>\n</div>\n</li>\n",
         object_picture(entry, i + 1), i + 1, escape_markup(entry.object.name),
         entry.room.empty() ? "not known" : escape_markup(entry.room), entry.score,
