@@ -7,6 +7,7 @@ import { chooseLanguage, language, text } from '../shared/texts';
 import { Camera, type CameraFailure } from '../shared/camera';
 import { openChoice } from './choice_dialog';
 import { Earcons, vibrate } from './earcons';
+import { goalCalled } from './goals';
 import { keepAwake } from './keep_awake';
 import { hasLocalVoice, localVoice } from './local_voices';
 import { localHearing } from './local_hearing';
@@ -127,10 +128,10 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
     quiet: () => phone.setQuiet(!phone.state.quiet),
     find: () => openChoice({
       title: text('find.title'), label: text('find.label'), go: text('find.go'), missing: text('find.missing'),
-    }, phone.findable, (thing) => phone.whereIs(thing)),
+    }, phone.findable.map((thing) => thing.label), (label) => phone.whereIs(goalCalled(phone.findable, label))),
     take: () => openChoice({
       title: text('take.title'), label: text('take.label'), go: text('take.go'), missing: text('take.missing'),
-    }, phone.goals, (goal) => phone.takeMeTo(goal)),
+    }, phone.goals.map((goal) => goal.label), (label) => phone.takeMeTo(goalCalled(phone.goals, label))),
     spots: () => openSpots(phone.state.spots, {
       mark: (spot) => phone.ask({ question: 'mark_spot', ...(spot === '' ? {} : { spot }) }),
       back: () => phone.takeMeBack(),

@@ -11,6 +11,7 @@ import { AnswerWatch } from './answer_watch';
 import { CameraWatch, type CameraNews } from './camera_watch';
 import { ConnectionWatch, kLookEveryMs, type ConnectionNews } from './connection_watch';
 import { FrameSender, kFrameGapMs } from './frame_sender';
+import { goalsOf, type Goal } from './goals';
 import { ownPrompt } from './own_prompt';
 import { PictureFlow } from './picture_flow';
 import { measureQuality, troubleOf } from '../shared/picture_quality';
@@ -114,29 +115,27 @@ export class Phone {
     }
   }
 
-  takeMeTo(goal: string): void {
+  takeMeTo({ kind, name }: Goal): void {
     this.state.led = true;
-    if (goal === wayOut(language())) {
+    if (kind === 'way out') {
       this.ask({ question: 'take_me_to', goal: 'way_out' });
     } else {
-      this.ask(this.state.rooms.includes(goal) ? { question: 'take_me_to', room: goal } : { question: 'take_me_to', thing: goal });
+      this.ask(kind === 'room' ? { question: 'take_me_to', room: name } : { question: 'take_me_to', thing: name });
     }
     this.changed();
   }
 
-  whereIs(thing: string): void {
-    this.ask(thing === wayOut(language()) ? { question: 'where_is', goal: 'way_out' } : { question: 'where_is', thing });
+  whereIs({ kind, name }: Goal): void {
+    this.ask(kind === 'way out' ? { question: 'where_is', goal: 'way_out' } : { question: 'where_is', thing: name });
   }
 
-  // What one may be led to: the way out always, as who asks where none is known hears who can add it.
-  get goals(): string[] {
-    const { spots, rooms, things } = this.state;
-    return [...new Set([...spots, wayOut(language()), ...rooms, ...things])];
+  // What one may be led to.
+  get goals(): Goal[] {
+    return goalsOf(this.state, wayOut(language()));
   }
 
-  get findable(): string[] {
-    const { spots, things } = this.state;
-    return [...new Set([...spots, wayOut(language()), ...things])];
+  get findable(): Goal[] {
+    return goalsOf({ ...this.state, rooms: [] }, wayOut(language()));
   }
 
   takeMeBack(): void {

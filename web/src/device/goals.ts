@@ -1,0 +1,37 @@
+// What a person may ask the way to, or find, as the phone lists it. A room may be called as the way out is, or as a thing: each
+// entry has its kind, and no two have the same label.
+import { text } from '../shared/texts';
+
+export interface Goal {
+  kind: 'spot' | 'way out' | 'room' | 'thing';
+  name: string; // as the computer knows it
+  label: string; // as it is listed
+}
+
+export interface Known {
+  spots: readonly string[];
+  rooms: readonly string[];
+  things: readonly string[];
+}
+
+// The way out always: who asks where none is known hears who can add it. A spot or a thing that is called so is the way out,
+// and a thing that is called as a spot is that spot: so the computer understands these names.
+export function goalsOf({ spots, rooms, things }: Known, wayOut: string): Goal[] {
+  const goals: Goal[] = spots.filter((name) => name !== wayOut).map((name) => ({ kind: 'spot', name, label: name }));
+  goals.push({ kind: 'way out', name: wayOut, label: wayOut });
+  const taken = new Set(goals.map((goal) => goal.label));
+  for (const name of new Set(rooms)) {
+    goals.push({ kind: 'room', name, label: taken.has(name) ? text('choice.room', { name }) : name });
+  }
+  for (const name of new Set(things)) {
+    if (!taken.has(name)) {
+      goals.push({ kind: 'thing', name, label: rooms.includes(name) ? text('choice.thing', { name }) : name });
+    }
+  }
+  return goals;
+}
+
+// By its label; what is typed and not in the list is taken for a thing, and the computer tells what it knows of it.
+export function goalCalled(goals: readonly Goal[], label: string): Goal {
+  return goals.find((goal) => goal.label === label) ?? { kind: 'thing', name: label, label };
+}

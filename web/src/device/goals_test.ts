@@ -1,0 +1,31 @@
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { setLanguage } from '../shared/texts';
+import { goalCalled, goalsOf } from './goals';
+
+test('a room that is called as the way out is can be chosen beside it', () => {
+  setLanguage('en');
+  const goals = goalsOf({ spots: ['my chair'], rooms: ['Exit', 'kitchen'], things: ['fridge'] }, 'Exit');
+  assert.deepEqual(goals.map((goal) => goal.label), ['my chair', 'Exit', 'Exit, the room', 'kitchen', 'fridge']);
+  assert.equal(goalCalled(goals, 'Exit').kind, 'way out');
+  assert.deepEqual(goalCalled(goals, 'Exit, the room'), { kind: 'room', name: 'Exit', label: 'Exit, the room' });
+  assert.equal(goalCalled(goals, 'kitchen').kind, 'room');
+  assert.equal(goalCalled(goals, 'my chair').kind, 'spot');
+});
+
+test('a thing that is called as a room is can be chosen beside it', () => {
+  setLanguage('de');
+  const goals = goalsOf({ spots: [], rooms: ['Bar'], things: ['Bar', 'Bar'] }, 'Ausgang');
+  assert.deepEqual(goals.map((goal) => goal.label), ['Ausgang', 'Bar', 'Bar (Gegenstand)']);
+  assert.deepEqual(goals.map((goal) => goal.kind), ['way out', 'room', 'thing']);
+});
+
+test('what is called as the way out, or as a spot, is that, once', () => {
+  setLanguage('en');
+  const goals = goalsOf({ spots: ['Exit', 'my chair'], rooms: [], things: ['Exit', 'my chair'] }, 'Exit');
+  assert.deepEqual(goals.map((goal) => [goal.kind, goal.label]), [['spot', 'my chair'], ['way out', 'Exit']]);
+});
+
+test('what is typed and not in the list is asked for as a thing', () => {
+  assert.deepEqual(goalCalled([], 'teapot'), { kind: 'thing', name: 'teapot', label: 'teapot' });
+});
