@@ -1,10 +1,10 @@
 // What came of the computer's long work, in the page's language.
 import type { Job } from './protocol';
-import { formatNumber, text, type TextKey } from './texts';
+import { counted, formatNumber, text, type TextKey } from './texts';
 
 const kEnds: Record<string, TextKey> = {
   prepared: 'job.end.prepared', mapped: 'job.end.mapped', mapped_damaged: 'job.end.mapped_damaged', nothing_waited: 'job.end.nothing_waited',
-  learned: 'job.end.learned', no_room_named: 'job.end.no_room_named', one_room: 'job.end.one_room', few_pictures: 'job.end.few_pictures',
+  learned: 'job.end.learned', no_room_named: 'job.end.no_room_named', one_room: 'job.end.one_room',
   no_network: 'job.end.no_network', file_unknown: 'job.end.file_unknown', no_recording: 'job.end.no_recording',
   several_recordings: 'job.end.several_recordings', file_damaged: 'job.end.file_damaged', file_unsafe: 'job.end.file_unsafe',
   taught: 'job.end.taught', taught_for_later: 'job.end.taught_for_later', looked_for: 'job.end.looked_for', name_is_none: 'job.end.name_is_none',
@@ -16,10 +16,13 @@ export function wordsOfEnd(job: Job): string {
   if (job.message === 'stopped') {
     return job.kind === 'map' ? text('job.end.goes_on') : '';
   }
+  const values = Object.fromEntries(Object.entries(job.values).map(([name, value]) => [name, formatNumber(value)]));
+  if (job.message === 'few_pictures') {
+    return counted('job.end.few_pictures', job.values.pictures ?? 0, values);
+  }
   const key = kEnds[job.message];
   if (key !== undefined) {
-    const values = Object.entries(job.values).map(([name, value]) => [name, formatNumber(value)]);
-    return text(key, Object.fromEntries(values));
+    return text(key, values);
   }
   return job.text === '' ? '' : text('job.end.says', { text: sentence(job.text) });
 }

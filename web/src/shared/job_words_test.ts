@@ -41,6 +41,17 @@ test('what the pages have no words for is said as the computer has it', () => {
   assert.equal(wordsOfEnd(ended('failed')), "L'ordinateur dit, en anglais : The door is red.");
 });
 
+test('one picture is told as one', () => {
+  const few = (pictures: number): string => wordsOfEnd(ended('few_pictures', { pictures, wanted: 5 }, 'learn'));
+  const said = { en: ['has 1 picture,', 'has 3 pictures,'], de: ['hat 1 Bild,', 'hat 3 Bilder,'], es: ['tiene 1 imagen ', 'tiene 3 imágenes '],
+    fr: ['a 1 image,', 'a 3 images,'] };
+  for (const { value } of kLanguages) {
+    setLanguage(value);
+    assert.ok(few(1).includes(said[value][0] ?? '?'), few(1));
+    assert.ok(few(3).includes(said[value][1] ?? '?'), few(3));
+  }
+});
+
 test('a job that was stopped goes on later where it is mapping', () => {
   setLanguage('en');
   assert.equal(wordsOfEnd(ended('stopped')), 'It goes on when the computer starts again.');
