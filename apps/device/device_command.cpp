@@ -52,8 +52,8 @@ Expected<service::ServerCredentials> find_credentials(const DeviceOptions& optio
         "give the code here: --pair CODE",
         options.server);
   }
-  service::ClientWait wait;
-  wait.interruption = &interruption;
+  const service::ClientWait wait{.timeout = service::kPairingTimeout,
+                                 .interruption = &interruption};
   ROOMWISE_TRY(const service::PairedWith paired,
                service::pair_with(server, options.code, options.name, wait));
   ROOMWISE_CHECK_OK(store_credentials(file, options.server, paired.credentials));

@@ -44,13 +44,18 @@ struct ClientWait {
   const Interruption* interruption = nullptr;  // asked ten times a second; null: never
 };
 
+// Of pairing: its answer uses the code up, so it is waited for longer. Proving the code takes the
+// computer a second, and far more where it is busy, as while a map is made ready.
+inline constexpr std::chrono::milliseconds kPairingTimeout{30'000};
+
 // Pairs with a computer that was never seen by the six digits, the secret, or the link that it
 // shows
 // ("https://flat.local:8443/pair#SECRET"): shows that the code is known without sending it, and
 // believes the computer only where it knows the code too (pairing_proof.h). ErrorCode::kRefused
 // where it is the code: the computer refuses it, or does not know it itself.
 [[nodiscard]] Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& code,
-                                             const std::string& name, const ClientWait& wait = {});
+                                             const std::string& name,
+                                             const ClientWait& wait = {.timeout = kPairingTimeout});
 
 // A WebSocket to the computer. Thread-safe. It closes where it goes.
 class ServerConnection {
