@@ -78,7 +78,11 @@ class StairsTest : public ::testing::Test {
     for (int i = 0; i < ticks; ++i) {
       now_ns_ += kTick;
       place_ += kTick * 1e-9 * speed_m_s;
-      Walker walker{now_ns_, Pose{place_, heading_rad_, 0.02}, now_ns_};
+      Walker walker{now_ns_};
+      if (is_seen_) {
+        walker.pose = Pose{place_, heading_rad_, 0.02};
+        walker.pose_ns = now_ns_;
+      }
       if (auto prompt = guidance_->update(walker)) said.push_back(prompt->text);
     }
     return said;
@@ -93,6 +97,7 @@ class StairsTest : public ::testing::Test {
   TimestampNs now_ns_ = kNow;
   Vector2d place_ = Vector2d::Zero();
   double heading_rad_ = 0;
+  bool is_seen_ = true;
 };
 
 TEST_F(StairsTest, JoinTheRoomsInWhichTheyBeginAndEnd) {
@@ -157,6 +162,15 @@ TEST_F(StairsTest, WhoTurnsBackBeforeThemIsLedAnew) {
   ASSERT_EQ(guidance_->state(), Guidance::State::kStairs);
   hear(6, {-0.5, 0});
   EXPECT_NE(guidance_->state(), Guidance::State::kStairs);
+}
+
+// Nobody checks which way they face then.
+TEST_F(StairsTest, NoStepTowardsThemIsToldToWhoIsNotSeen) {
+  lead_to("landing", {4.5, 1}, std::numbers::pi);
+  hear(9);
+  ASSERT_EQ(guidance_->state(), Guidance::State::kTurning);
+  is_seen_ = false;
+  EXPECT_THAT(hear(12), ElementsAre("I lost where you are. Stop and turn slowly."));
 }
 
 TEST_F(StairsTest, AreToldInEveryLanguageWithTheRightPlural) {
