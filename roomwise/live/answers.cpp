@@ -358,10 +358,14 @@ const ViewedSpot* spot_called(const std::string& name, const HomeView& home) {
 
 const ViewedSpot* spot_asked_for(const service::Ask& ask, const HomeView& home,
                                  const guide::Phrasebook& phrases) {
-  if (const ViewedSpot* const spot = spot_called(name_asked_for(ask), home)) return spot;
-  if (!asks_for_way_out(ask, home, phrases)) return nullptr;
-  const auto found = std::ranges::find_if(
-      home.spots, [&](const ViewedSpot& spot) { return means_way_out(spot.thing.name, phrases); });
+  const ViewedSpot* const called = spot_called(name_asked_for(ask), home);
+  if (!asks_for_way_out(ask, home, phrases)) return called;
+  // One whose walk was forgotten leads nowhere, and must not stand before a way out that is known.
+  const auto leads_out = [&](const ViewedSpot& spot) {
+    return spot.thing.position_gravity && means_way_out(spot.thing.name, phrases);
+  };
+  if (called != nullptr && leads_out(*called)) return called;
+  const auto found = std::ranges::find_if(home.spots, leads_out);
   return found == home.spots.end() ? nullptr : &*found;
 }
 

@@ -7,6 +7,7 @@
 namespace roomwise::live {
 namespace {
 
+using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
 FrameResult glance_in(const std::string& room, double t_ms, rooms::Verdict verdict) {
@@ -230,6 +231,25 @@ TEST(Answers, WhoAsksForAWayOutThatNobodyAddedHearsWhoCanAddIt) {
   home.things = {thing("front door", "hall", {1, 1, 1})};
   EXPECT_EQ(told({1, 0, Question::kWhereIs, "exit"}), "The way out is in the hall.");
   EXPECT_EQ(told({1, 0, Question::kWhereIs, "front door"}), "The front door is in the hall.");
+}
+
+TEST(Answers, ASpotWithoutAPlaceDoesNotHideTheWayOut) {
+  HomeView home;
+  home.things = {thing("front door", "hall", {1, 1, 1})};
+  ViewedSpot spot;
+  spot.stored.name = spot.thing.name = "exit";  // its walk was forgotten
+  home.spots = {spot};
+  const service::SpeakingSettings settings;
+  service::Ask out{1, 0, service::Question::kWhereIs, ""};
+  out.is_way_out = true;
+  const service::Ask by_name{1, 0, service::Question::kWhereIs, "exit"};
+  for (const service::Ask& ask : {out, by_name}) {
+    EXPECT_EQ(answer(ask, {home, nullptr, settings, 0}).at(0).text, "The way out is in the hall.");
+  }
+  home.spots[0].thing = thing("exit", "porch", {4, 1, 1});
+  for (const service::Ask& ask : {out, by_name}) {
+    EXPECT_THAT(answer(ask, {home, nullptr, settings, 0}).at(0).text, HasSubstr("porch"));
+  }
 }
 
 TEST(Answers, DirectionsRestOnAPictureAndSayWhatIsAheadNow) {
