@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 #include "roomwise/base/file.h"
 #include "roomwise/image/codec.h"
@@ -27,29 +28,50 @@ const char* ending_of(std::span<const std::uint8_t> picture) {
   return image::is_webp(picture) ? ".webp" : ".jpg";
 }
 
+// What lies in a folder, as far as it can be listed.
+std::vector<fs::path> entries_of(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code error;
+  fs::directory_iterator one(folder, error);
+  for (; !error && one != fs::directory_iterator(); one.increment(error))
+    entries.push_back(one->path());
+  return entries;
+}
+
+std::uint64_t bytes_in(const fs::path& folder) {
+  std::uint64_t bytes = 0;
+  for (const fs::path& room : entries_of(folder)) {
+    for (const fs::path& file : entries_of(room)) {
+      std::error_code error;
+      const std::uintmax_t size = fs::file_size(file, error);
+      if (!error) bytes += size;
+    }
+  }
+  return bytes;
+}
+
 }  // namespace
 
 Expected<void> PhotoLimits::validate() const {
   if (max_bytes == 0) return fail("max_bytes = 0 takes no photo");
-  if (!free_bytes) return fail("free_bytes is missing: nobody says how full the disk is");
   return {};
 }
 
+RoomPhotos::RoomPhotos(fs::path folder, PhotoLimits limits)
+    : folder_(std::move(folder)), limits_(std::move(limits)) {
+  if (!limits_.free_bytes) limits_.free_bytes = free_bytes_at;
+}
+
 // With the lock held.
-Expected<void> RoomPhotos::check_room_for(std::uint64_t bytes) const {
+Expected<void> RoomPhotos::check_room_for(std::uint64_t bytes) {
   ROOMWISE_CHECK_OK(limits_.validate());
   constexpr std::uint64_t kMegabyte = 1'000'000;
-  std::error_code error;
-  std::uint64_t taken = 0;
-  for (const auto& file : fs::recursive_directory_iterator(folder_, error)) {
-    const std::uintmax_t size = file.is_regular_file(error) ? file.file_size(error) : 0;
-    if (!error) taken += size;
-  }
-  if (taken + bytes > limits_.max_bytes) {
+  if (!taken_bytes_) taken_bytes_ = bytes_in(folder_);
+  if (*taken_bytes_ + bytes > limits_.max_bytes) {
     return fail_with(ErrorCode::kDiskFull,
                      "the photos of this home take {} MB, and {} MB are kept for them; take photos "
                      "of a room away that was learned by a walk, then try again",
-                     taken / kMegabyte, limits_.max_bytes / kMegabyte);
+                     *taken_bytes_ / kMegabyte, limits_.max_bytes / kMegabyte);
   }
   ROOMWISE_TRY(const std::uint64_t free, limits_.free_bytes(folder_));
   if (free < limits_.reserve_bytes + bytes) {
@@ -65,9 +87,9 @@ Expected<void> RoomPhotos::check_room_for(std::uint64_t bytes) const {
 // longer than a file's, and hold a slash; a room that was renamed keeps the folder it had.
 fs::path RoomPhotos::folder_of(const std::string& room) const {
   std::error_code error;
-  for (const auto& one : fs::directory_iterator(folder_, error)) {
-    const auto name = read_text_file(one.path() / kNameFile);
-    if (name && *name == room) return one.path();
+  for (const fs::path& one : entries_of(folder_)) {
+    const auto name = read_text_file(one / kNameFile);
+    if (name && *name == room) return one;
   }
   fs::path fresh =
       folder_ / digest_of({reinterpret_cast<const std::uint8_t*>(room.data()), room.size()});
@@ -80,12 +102,12 @@ fs::path RoomPhotos::folder_of(const std::string& room) const {
 Expected<std::vector<pipeline::RoomPhoto>> RoomPhotos::read_all() const {
   std::vector<pipeline::RoomPhoto> photos;
   std::error_code error;
-  for (const auto& room : fs::directory_iterator(folder_, error)) {
-    if (!fs::exists(room.path() / kNameFile, error)) continue;
-    ROOMWISE_TRY(const std::string name, read_text_file(room.path() / kNameFile));
-    for (const auto& file : fs::directory_iterator(room.path(), error)) {
-      if (file.path().filename() != kNameFile && file.path().stem().string().size() == kDigits) {
-        photos.push_back({file.path(), name});
+  for (const fs::path& room : entries_of(folder_)) {
+    if (!fs::exists(room / kNameFile, error)) continue;
+    ROOMWISE_TRY(const std::string name, read_text_file(room / kNameFile));
+    for (const fs::path& file : entries_of(room)) {
+      if (file.filename() != kNameFile && file.stem().string().size() == kDigits) {
+        photos.push_back({file, name});
       }
     }
   }
@@ -148,8 +170,10 @@ Expected<std::size_t> RoomPhotos::add(const std::string& room,
   fs::create_directories(folder, error);
   if (error) return fail("{}: cannot be made: {}", folder.string(), error.message());
   fs::permissions(folder_, fs::perms::owner_all, error);  // pictures of a home
+  const std::uint64_t taken = *std::exchange(taken_bytes_, std::nullopt);
   ROOMWISE_CHECK_OK(write_file(folder / kNameFile, room));
   ROOMWISE_CHECK_OK(write_file(file, picture));
+  taken_bytes_ = taken + picture.size() + (of_room == 0 ? room.size() : 0);
   return of_room + 1;
 }
 
@@ -166,14 +190,15 @@ Expected<void> RoomPhotos::rename(const std::string& room, const std::string& ne
 
 Expected<void> RoomPhotos::remove(const std::string& room) {
   const std::scoped_lock lock(mutex_);
+  taken_bytes_.reset();
   return remove_folder(folder_of(room));
 }
 
 std::vector<fs::path> RoomPhotos::folders_set_aside() const {
   std::vector<fs::path> folders;
   std::error_code error;
-  for (const auto& one : fs::directory_iterator(folder_, error)) {
-    if (fs::exists(one.path() / kAsideFile, error)) folders.push_back(one.path());
+  for (const fs::path& one : entries_of(folder_)) {
+    if (fs::exists(one / kAsideFile, error)) folders.push_back(one);
   }
   std::ranges::sort(folders);
   return folders;
@@ -191,15 +216,16 @@ Expected<void> RoomPhotos::set_aside(const std::string& room) {
 
 Expected<void> RoomPhotos::bring_back(const std::string& room) {
   const std::scoped_lock lock(mutex_);
+  taken_bytes_.reset();  // the same picture may be in both folders
   for (const fs::path& folder : folders_set_aside()) {
     ROOMWISE_TRY(const std::string name, read_text_file(folder / kAsideFile));
     if (name != room) continue;
     std::error_code error;
     const fs::path now = folder_of(room);  // there may be newer ones
     if (fs::exists(now / kNameFile, error)) {
-      for (const auto& file : fs::directory_iterator(folder, error)) {
-        if (file.path().filename() == kAsideFile) continue;
-        fs::rename(file.path(), now / file.path().filename(), error);
+      for (const fs::path& file : entries_of(folder)) {
+        if (file.filename() == kAsideFile) continue;
+        fs::rename(file, now / file.filename(), error);
       }
       return remove_folder(folder);
     }
@@ -212,12 +238,14 @@ Expected<void> RoomPhotos::bring_back(const std::string& room) {
 
 Expected<void> RoomPhotos::forget_set_aside() {
   const std::scoped_lock lock(mutex_);
+  taken_bytes_.reset();
   for (const fs::path& folder : folders_set_aside()) ROOMWISE_CHECK_OK(remove_folder(folder));
   return {};
 }
 
 Expected<void> RoomPhotos::remove_all() {
   const std::scoped_lock lock(mutex_);
+  taken_bytes_.reset();
   return remove_folder(folder_);
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,7 +17,7 @@ namespace roomwise::live {
 struct PhotoLimits {
   std::uint64_t max_bytes = std::uint64_t{4} << 30U;      // of all, those set aside among them
   std::uint64_t reserve_bytes = std::uint64_t{1} << 30U;  // of the disk, that stay free
-  FreeBytes free_bytes = free_bytes_at;
+  FreeBytes free_bytes = {};                              // none: free_bytes_at()
 
   [[nodiscard]] Expected<void> validate() const;
 };
@@ -39,8 +40,7 @@ class RoomPhotos {
   };
 
   // `folder` is made with the first photo.
-  explicit RoomPhotos(std::filesystem::path folder, PhotoLimits limits = {})
-      : folder_(std::move(folder)), limits_(std::move(limits)) {}
+  explicit RoomPhotos(std::filesystem::path folder, PhotoLimits limits = {});
 
   // How many photos of the room there are now; one that is there already is not counted again.
   // Fails on what is no picture or a tiny one, and where there are enough; by kDiskFull, with the
@@ -66,10 +66,11 @@ class RoomPhotos {
   [[nodiscard]] std::filesystem::path folder_of(const std::string& room) const;
   [[nodiscard]] std::vector<std::filesystem::path> folders_set_aside() const;
   [[nodiscard]] Expected<std::vector<pipeline::RoomPhoto>> read_all() const;
-  [[nodiscard]] Expected<void> check_room_for(std::uint64_t bytes) const;
+  [[nodiscard]] Expected<void> check_room_for(std::uint64_t bytes);
 
   std::filesystem::path folder_;
   PhotoLimits limits_;
+  std::optional<std::uint64_t> taken_bytes_;  // of all photos; none: to be counted anew
   mutable std::mutex mutex_;
 };
 

@@ -53,6 +53,11 @@ TEST_F(RoomPhotosFolder, TakeNoMoreOfTheDiskThanIsKeptForThem) {
   EXPECT_EQ(few.all()->size(), 1U) << "nothing is left of what was refused";
   ASSERT_OK(few.forget_set_aside());
   EXPECT_EQ(few.add("kitchen", photo(3)).value(), 2U);
+  EXPECT_ERROR(few.add("kitchen", photo(4)), "take photos of a room away");
+  ASSERT_OK(few.remove("kitchen"));
+  EXPECT_EQ(few.add("hall", photo(4)).value(), 1U);
+  RoomPhotos later(folder / "few", {.max_bytes = one + 100, .reserve_bytes = 0});
+  EXPECT_ERROR(later.add("hall", photo(5)), "take photos of a room away");  // with those of before
 }
 
 TEST_F(RoomPhotosFolder, LeaveSomeOfTheDiskFree) {
