@@ -47,7 +47,8 @@ constexpr std::array<Word<GuideWish>, 6> kWishes{{{"pause", GuideWish::kPause},
                                                   {"end", GuideWish::kEnd}}};
 
 // What is asked for by no name.
-constexpr std::array<Word<bool>, 1> kGoals{{{"way_out", true}}};
+enum class Goal : std::uint8_t { kWayOut };
+constexpr std::array<Word<Goal>, 1> kGoals{{{"way_out", Goal::kWayOut}}};
 
 constexpr int kMaxSide_px = 4096;
 
@@ -149,7 +150,8 @@ Expected<DeviceMessage> read_ask(const OrderedJson& json) {
   ask.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
   ask.question = members.one_of("question", kQuestions);
   const bool is_of_place = asks_for_place(ask.question);
-  if (is_of_place && members.has("goal")) ask.is_way_out = members.one_of("goal", kGoals);
+  if (is_of_place && members.has("goal"))
+    ask.is_way_out = members.one_of("goal", kGoals) == Goal::kWayOut;
   if (ask.is_way_out) return members.finish<DeviceMessage>(std::move(ask));
   if (ask.question == Question::kTakeMeTo) ask.is_room = members.has("room");
   if (ask.question == Question::kWhereIs)
@@ -247,7 +249,7 @@ OrderedJson to_json(const Ask& ask) {
                    {"t", ask.t_ms},
                    {"question", word_of(kQuestions, ask.question)}};
   if (asks_for_thing(ask)) json["thing"] = ask.subject;
-  if (ask.is_way_out) json["goal"] = word_of(kGoals, true);
+  if (ask.is_way_out) json["goal"] = word_of(kGoals, Goal::kWayOut);
   if (asks_for_thing(ask) && !ask.in_room.empty()) json["in"] = ask.in_room;
   if (ask.is_private) json["private"] = true;
   if (ask.question == Question::kGuide) json["wish"] = word_of(kWishes, ask.wish);
