@@ -45,6 +45,8 @@ struct OwnSighting {
 // Those that the home has not, of things that were written then, or before, last.
 [[nodiscard]] std::map<home::OwnThingId, OwnSighting> due_sightings(
     const std::map<home::OwnThingId, OwnSighting>& sightings, std::int64_t before_s);
+// Without a room that the home has not any more: who looked may have had an older view of it.
+[[nodiscard]] OwnSighting without_gone_room(OwnSighting sighting, const HomeView& now);
 
 struct LiveHomeOptions {
   std::size_t threads = 1;        // for long work: mapping, learning

@@ -48,7 +48,8 @@ std::shared_ptr<const HomeView> LiveHome::view_for(const service::Identity& who)
     const auto live = own_sightings_.find(one.stored.id);
     const bool is_newer =
         live != own_sightings_.end() && live->second.seen_s > one.stored.last_seen.seen_s;
-    view->things.push_back(is_newer ? with_sighting(one.thing, live->second) : one.thing);
+    view->things.push_back(
+        is_newer ? with_sighting(one.thing, without_gone_room(live->second, *view_)) : one.thing);
   }
   view->spots = spots_for(who);
   of_device = std::move(view);
@@ -86,6 +87,13 @@ std::map<home::OwnThingId, OwnSighting> due_sightings(
   return due;
 }
 
+OwnSighting without_gone_room(OwnSighting sighting, const HomeView& now) {
+  const bool is_there = sighting.room && std::ranges::find(now.rooms, *sighting.room,
+                                                           &rooms::Room::name) != now.rooms.end();
+  if (!is_there) sighting.room.reset();
+  return sighting;
+}
+
 void LiveHome::write_own_sightings(std::int64_t before_s) {
   {
     const std::scoped_lock lock(view_mutex_);
@@ -107,7 +115,8 @@ void LiveHome::store_own_sightings(std::int64_t before_s) {
     return due_sightings(own_sightings_, before_s);
   }();
   for (const auto& [id, sighting] : due) {
-    home::OwnThingSighting stored{sighting.seen_s, sighting.room, std::nullopt, std::nullopt};
+    home::OwnThingSighting stored{sighting.seen_s, without_gone_room(sighting, *now).room,
+                                  std::nullopt, std::nullopt};
     if (sighting.place_gravity) {
       if (const auto beside = beside_keyframe(*now, *sighting.place_gravity)) {
         stored.keyframe = beside->first;

@@ -427,6 +427,19 @@ TEST(OwnSightings, AreDueOnceTheyAreNewerThanWhatTheHomeHasAndThatIsOldEnough) {
   EXPECT_THAT(due_sightings({}, 90), IsEmpty());
 }
 
+TEST(OwnSightings, NameNoRoomThatIsGone) {
+  HomeView now;
+  now.rooms = {{"galley", "kitchen"}, {"hall", "hall"}};
+  const auto room_of = [&](std::optional<std::string> room) {
+    return without_gone_room({100, std::move(room), Eigen::Vector3d(1, 2, 3), 0}, now).room;
+  };
+  EXPECT_EQ(room_of("galley"), "galley");
+  EXPECT_EQ(room_of("kitchen"), std::nullopt) << "it is called galley now";
+  EXPECT_EQ(room_of({}), std::nullopt);
+  EXPECT_TRUE(without_gone_room({100, "kitchen", Eigen::Vector3d(1, 2, 3), 0}, now).place_gravity)
+      << "the place is what it was";
+}
+
 TEST_F(LiveHomeTest, EverythingThatIsForgottenLeavesNothingInTheFiles) {
   {
     home::Home made = pipeline::create_home(file, {}).value();
