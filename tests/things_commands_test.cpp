@@ -525,6 +525,20 @@ TEST_F(ThingsCommandsTest, ALaterWalkShowsWhereTaughtThingsAre) {
   EXPECT_THAT(text.output, HasSubstr("1 of 1 things that were taught are on it"));
   const json thing = result_of({"things", "list", "--home", home}).at("things")[0];
   EXPECT_FALSE(thing.at("keyframe").is_null()) << thing;
+
+  {
+    home::Home later = home::Home::open(home).value();
+    const home::OwnThing quilt = later.own_things()->at(0);
+    ASSERT_OK(later.put_own_thing_sighting(quilt.id, {4'000'000'000, "attic", {}, {}}));
+  }
+  const json again = result_of(update(home, {path("with_quilt"), "--without-rooms"}));
+  EXPECT_EQ(again.at("own_things").at("seen"), 1);
+  EXPECT_EQ(again.at("written"), false) << "the home knows of a later sighting";
+
+  const json unread = result_of(
+      {"update", "--home", home, "--network", path("none.onnx"), "--without-rooms", path("visit")});
+  EXPECT_EQ(unread.at("frames"), kFrames);
+  EXPECT_THAT(unread.at("own_things").at("why_not").get<std::string>(), HasSubstr("none.onnx"));
 }
 
 TEST_F(ThingsCommandsTest, TeachingSaysWhatIsWrong) {

@@ -140,6 +140,7 @@ Json to_json(const pipeline::RoomUpdate& update) {
 // Whether things that people taught are looked for, and what became of it.
 struct TaughtThings {
   std::size_t taught = 0;
+  std::size_t noted = 0;                                 // where they were seen is new to the home
   std::shared_ptr<const pipeline::OwnThingWatch> watch;  // null: they are not looked for
   std::string why_not;                                   // then, where there are any
 };
@@ -185,19 +186,18 @@ Json to_json(const TaughtThings& things, const pipeline::HomeUpdate& update) {
 Answer describe(const pipeline::HomeUpdate& update, const TaughtThings& taught,
                 const UpdateCommandOptions& options) {
   const home::Visit& visit = update.changes.visit;
-  Answer answer{
-      fmt::format("{} of {} pictures of the visit were found on the map\n", visit.placed,
-                  visit.frames),
-      {{"frames", visit.frames},
-       {"placed", visit.placed},
-       {"first_timestamp_s", 1e-9 * static_cast<double>(visit.first_timestamp_ns)},
-       {"last_timestamp_s", 1e-9 * static_cast<double>(visit.last_timestamp_ns)},
-       {"changed", !update.changes.empty() || !update.unnamed.empty()},
-       {"written", !options.dry_run && !(update.changes.empty() && update.own_things.empty())},
-       {"things", Json::array()},
-       {"unnamed", Json::array()},
-       {"rooms", update.rooms ? to_json(*update.rooms) : Json(nullptr)},
-       {"own_things", to_json(taught, update)}}};
+  Answer answer{fmt::format("{} of {} pictures of the visit were found on the map\n", visit.placed,
+                            visit.frames),
+                {{"frames", visit.frames},
+                 {"placed", visit.placed},
+                 {"first_timestamp_s", 1e-9 * static_cast<double>(visit.first_timestamp_ns)},
+                 {"last_timestamp_s", 1e-9 * static_cast<double>(visit.last_timestamp_ns)},
+                 {"changed", !update.changes.empty() || !update.unnamed.empty()},
+                 {"written", !options.dry_run && !(update.changes.empty() && taught.noted == 0)},
+                 {"things", Json::array()},
+                 {"unnamed", Json::array()},
+                 {"rooms", update.rooms ? to_json(*update.rooms) : Json(nullptr)},
+                 {"own_things", to_json(taught, update)}}};
   std::size_t there = 0, not_looked_at = 0;
   for (const ThingUpdate& thing : update.things) {
     answer.json["things"].push_back(to_json(thing));
@@ -214,7 +214,7 @@ Answer describe(const pipeline::HomeUpdate& update, const TaughtThings& taught,
       fmt::format("{} things are where they were, {} were not looked at\n", there, not_looked_at);
   if (update.rooms) answer.text += rows_of(*update.rooms, options.dry_run);
   answer.text += rows_of(taught, update);
-  if (update.changes.empty() && !update.own_things.empty() && !options.dry_run) {
+  if (update.changes.empty() && taught.noted > 0) {
     answer.text += "nothing else changed; where these were seen is noted\n";
   } else if (update.changes.empty()) {
     answer.text += update.unnamed.empty()
@@ -233,15 +233,24 @@ Expected<Answer> update(const UpdateCommandOptions& options, Context& context) {
                                                 : open_home(options.home, context));
   ROOMWISE_TRY(const auto own_things, home.own_things());
   pipeline::Networks networks;
+  TaughtThings taught;
+  taught.taught = own_things.size();
   if (!options.without_rooms || !own_things.empty()) {
-    ROOMWISE_TRY(networks, load_networks(options.networks, &home, /*also_brought=*/true));
+    auto loaded = load_networks(options.networks, &home, /*also_brought=*/true);
+    if (!loaded && !options.without_rooms) return Unexpected(std::move(loaded).error());
+    if (loaded) {
+      networks = *std::move(loaded);
+    } else {
+      taught.why_not = loaded.error().message;  // the rest of the work does without
+    }
   }
   CommandRun run(context);
   pipeline::UpdateOptions with = options.update;
   with.visit.localizer.seed = context.seed;
   if (options.without_rooms) with.visit.rooms.reset();
-  ROOMWISE_TRY(const TaughtThings taught,
-               watch_taught_things(home, networks, finders, options.dry_run, run));
+  if (taught.why_not.empty()) {
+    ROOMWISE_TRY(taught, watch_taught_things(home, networks, finders, options.dry_run, run));
+  }
   with.visit.own_things = taught.watch;
   auto compared =
       pipeline::compare_with_visit(home, options.recording, finders, networks, with, run);
@@ -253,7 +262,9 @@ Expected<Answer> update(const UpdateCommandOptions& options, Context& context) {
   if (!options.dry_run && !found.changes.empty()) {
     ROOMWISE_CHECK_OK(home.apply_changes(found.changes));
   }
-  if (!options.dry_run) ROOMWISE_CHECK_OK(pipeline::note_own_things(home, found.own_things));
+  if (!options.dry_run) {
+    ROOMWISE_TRY(taught.noted, pipeline::note_own_things(home, found.own_things));
+  }
   return describe(found, taught, options);
 }
 

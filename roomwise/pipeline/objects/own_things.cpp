@@ -322,14 +322,16 @@ Expected<OwnThingSightings> find_own_things(const home::Home& home, home::Record
   return last;
 }
 
-Expected<void> note_own_things(home::Home& home, const OwnThingSightings& seen) {
+Expected<std::size_t> note_own_things(home::Home& home, const OwnThingSightings& seen) {
   ROOMWISE_TRY(const auto things, home.own_things());
+  std::size_t noted = 0;
   for (const home::OwnThing& thing : things) {
     const auto found = seen.find(thing.id);
     if (found == seen.end() || !is_newer(found->second, thing.last_seen)) continue;
     ROOMWISE_CHECK_OK(home.put_own_thing_sighting(thing.id, found->second));
+    ++noted;
   }
-  return {};
+  return noted;
 }
 
 Expected<OwnThingLook> look_for_own_things(home::Home& home, const Networks& networks,
@@ -346,7 +348,7 @@ Expected<OwnThingLook> look_for_own_things(home::Home& home, const Networks& net
   ROOMWISE_TRY(const auto recordings, home.recordings());
   if (watch == nullptr || recordings.empty()) return look;
   ROOMWISE_TRY(const auto seen, find_own_things(home, recordings.back().id, *watch, run));
-  ROOMWISE_CHECK_OK(note_own_things(home, seen));
+  ROOMWISE_CHECK_OK(note_own_things(home, seen).map([](std::size_t) {}));
   look.seen = seen.size();
   return look;
 }
