@@ -475,60 +475,60 @@ TEST_F(LocalizerTest, APictureThatAloneTellsNothingIsFollowedFromTheOneBefore) {
   EXPECT_FALSE(localizer.follow({before, kCamera}, {}, {next, kCamera}).place.found());
 }
 
+// Two rooms ten metres apart; in both stands what binds two pictures.
+class TwoRoomsLocalizerTest : public LocalizerTest {
+ protected:
+  TwoRoomsLocalizerTest() {
+    look_around(localizer_, landmarks_, true);
+    look_around(localizer_, others_, true, motion_by({0, 0, 0}, {10, 0, 0}));
+  }
+  [[nodiscard]] MeasuredFeatures showing(const Landmarks& landmarks) const {
+    return joined(landmarks.seen_from(pose_), common_.seen_from(pose_));
+  }
+
+  Localizer localizer_{{}};
+  const Landmarks others_{furnished_room(), kLandmarks, 2},
+      common_{furnished_room(), kLandmarks, 3};
+  const FrameMeasurements here_{showing(landmarks_)}, there_{showing(others_)};
+};
+
 // Somebody stands and turns their head to what looks like another room's.
-TEST_F(LocalizerTest, ATrackBelievesNoPlaceThatItsMotionDoesNotLeadTo) {
-  Localizer localizer({});
-  look_around(localizer, landmarks_, true);
-  const Landmarks others(furnished_room(), kLandmarks, 2), common(furnished_room(), kLandmarks, 3);
-  look_around(localizer, others, true, motion_by({0, 0, 0}, {10, 0, 0}));
-  const auto showing = [&](const Landmarks& landmarks) {
-    return joined(landmarks.seen_from(pose_), common.seen_from(pose_));
-  };
-  const FrameMeasurements here{showing(landmarks_)}, there{showing(others)};
+TEST_F(TwoRoomsLocalizerTest, ATrackBelievesNoPlaceThatItsMotionDoesNotLeadTo) {
   PlaceTrack track;
-  expect_there(track.locate(localizer, here, kCamera, 0), pose_, 0.03, 0.02);
+  expect_there(track.locate(localizer_, here_, kCamera, 0), pose_, 0.03, 0.02);
   // However often it looks the same.
   for (const double t_s : {0.5, 1.0, 2.5, 3.0}) {
-    EXPECT_FALSE(track.locate(localizer, there, kCamera, t_s).found()) << t_s;
+    EXPECT_FALSE(track.locate(localizer_, there_, kCamera, t_s).found()) << t_s;
   }
-  expect_there(track.locate(localizer, here, kCamera, 3.5), pose_, 0.03, 0.02);
+  expect_there(track.locate(localizer_, here_, kCamera, 3.5), pose_, 0.03, 0.02);
   // Also where nothing binds the two, and they stand before it for long.
   track.forget();
   const FrameMeasurements only_here{landmarks_.seen_from(pose_)},
-      only_there{others.seen_from(pose_)};
-  ASSERT_TRUE(track.locate(localizer, only_here, kCamera, 0).found());
+      only_there{others_.seen_from(pose_)};
+  ASSERT_TRUE(track.locate(localizer_, only_here, kCamera, 0).found());
   for (double t_s = 0.5; t_s < 20; t_s += 0.5) {
-    EXPECT_FALSE(track.locate(localizer, only_there, kCamera, t_s).found()) << t_s;
+    EXPECT_FALSE(track.locate(localizer_, only_there, kCamera, t_s).found()) << t_s;
   }
-  expect_there(track.locate(localizer, only_here, kCamera, 20.5), pose_, 0.03, 0.02);
+  expect_there(track.locate(localizer_, only_here, kCamera, 20.5), pose_, 0.03, 0.02);
   // Where it was the first that deceived, two others from different points of view end it.
   track.forget();
-  ASSERT_TRUE(track.locate(localizer, there, kCamera, 3.6).found());
-  EXPECT_FALSE(track.locate(localizer, here, kCamera, 3.7).found());
-  EXPECT_FALSE(track.locate(localizer, here, kCamera, 3.8).found()) << "the same once more";
+  ASSERT_TRUE(track.locate(localizer_, there_, kCamera, 3.6).found());
+  EXPECT_FALSE(track.locate(localizer_, here_, kCamera, 3.7).found());
+  EXPECT_FALSE(track.locate(localizer_, here_, kCamera, 3.8).found()) << "the same once more";
   const RigidTransform aside = pose_ * motion_by({0, 0.1, 0}, {0.3, 0, 0});
-  const FrameMeasurements moved{joined(landmarks_.seen_from(aside), common.seen_from(aside))};
-  expect_there(track.locate(localizer, moved, kCamera, 3.9), aside, 0.03, 0.02);
-  expect_there(track.locate(localizer, here, kCamera, 4.0), pose_, 0.03, 0.02);
+  const FrameMeasurements moved{joined(landmarks_.seen_from(aside), common_.seen_from(aside))};
+  expect_there(track.locate(localizer_, moved, kCamera, 3.9), aside, 0.03, 0.02);
+  expect_there(track.locate(localizer_, here_, kCamera, 4.0), pose_, 0.03, 0.02);
   // After a while without pictures anything may have happened.
-  EXPECT_TRUE(track.locate(localizer, there, kCamera, 13.5).found());
+  EXPECT_TRUE(track.locate(localizer_, there_, kCamera, 13.5).found());
   track.forget();
-  EXPECT_TRUE(track.locate(localizer, here, kCamera, 13.6).found());
+  EXPECT_TRUE(track.locate(localizer_, here_, kCamera, 13.6).found());
 }
 
-TEST_F(LocalizerTest, TwoPicturesThatContradictEachOtherAreNoAnswer) {
-  Localizer localizer({});
-  look_around(localizer, landmarks_, true);
-  // Two rooms ten metres apart; between the pictures the camera hardly moved.
-  const Landmarks others(furnished_room(), kLandmarks, 2), common(furnished_room(), kLandmarks, 3);
-  look_around(localizer, others, true, motion_by({0, 0, 0}, {10, 0, 0}));
-  const auto showing = [&](const Landmarks& landmarks) {
-    return joined(landmarks.seen_from(pose_), common.seen_from(pose_));
-  };
-  const FrameMeasurements here{showing(landmarks_)}, there{showing(others)};
-  ASSERT_TRUE(localizer.locate({here, kCamera}).found());
-  ASSERT_TRUE(localizer.locate({there, kCamera}).found());
-  const PairLocalization both = localizer.locate({here, kCamera}, {there, kCamera});
+TEST_F(TwoRoomsLocalizerTest, TwoPicturesThatContradictEachOtherAreNoAnswer) {
+  ASSERT_TRUE(localizer_.locate({here_, kCamera}).found());
+  ASSERT_TRUE(localizer_.locate({there_, kCamera}).found());
+  const PairLocalization both = localizer_.locate({here_, kCamera}, {there_, kCamera});
   EXPECT_EQ(both.second.status, LocalizationStatus::kAmbiguous);
   EXPECT_TRUE(both.first.found()) << "by itself";
   EXPECT_TRUE(both.contradictory);
