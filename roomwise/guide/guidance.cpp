@@ -663,7 +663,10 @@ std::optional<Guidance::InTheWay> Guidance::in_the_way(const Pose& pose) const {
   const double to_end_m = towards.norm();
   const Pose along{pose.position_gravity,
                    to_end_m > kAtEnd_m ? std::atan2(towards.y(), towards.x()) : leg.heading_rad()};
-  const double narrow_m = options_.plan.narrow_radius_m - kSlack_m;
+  // Along what they stand at already they may go, not nearer.
+  const double here_m = clearance_m(floor(), pose.position_gravity);
+  const double narrow_m =
+      std::clamp(here_m - kSlack_m, 0.0, options_.plan.narrow_radius_m - kSlack_m);
   const WalkingCorridor line{
       .half_width_m = options_.body_radius_m,
       .length_m = std::min(WalkingCorridor().length_m, to_end_m + kLegEnd_m)};
@@ -695,6 +698,10 @@ std::optional<Prompt> Guidance::hazard(const Pose& pose, TimestampNs now_ns) {
   if (hazard_ns_ && seconds_between(*hazard_ns_, now_ns) < kSameHazard_s) return std::nullopt;
   const auto obstacle = in_the_way(pose);
   if (!obstacle) return std::nullopt;
+  // What the map knows is told once: the way leads past it all the same, and a cane finds it.
+  const bool was_told = obstacle->is_on_map && known_stop_at_ &&
+                        (*known_stop_at_ - pose.position_gravity).norm() < kHand_m;
+  if (was_told) return std::nullopt;
   const double left_m = (legs_[leg_].to - pose.position_gravity).norm();
   // The first step is no hazard: before it one is stopped anyway.
   if (is_next_leg_stairs() && obstacle->ahead_m > left_m - kLegEnd_m) return std::nullopt;
@@ -712,6 +719,8 @@ std::optional<Prompt> Guidance::hazard(const Pose& pose, TimestampNs now_ns) {
   } else if (!obstacle->is_on_map) {
     is_barred_by_hazard_ = plan_.reach == Reach::kWhole;
     bar_what_is_seen();
+  } else {
+    known_stop_at_ = pose.position_gravity;
   }
   return prompt;
 }

@@ -199,6 +199,7 @@ class Guidance {
   std::optional<fusion::FloorGrid> barred_floor_;  // where the person found the way barred
   std::optional<Eigen::Vector2d> barred_at_;       // and where no other one is known
   std::optional<double> tries_side_;               // where it has more room, after it was barred
+  std::optional<Eigen::Vector2d> known_stop_at_;   // before what the map knows, told once
   int barred_times_ = 0;                           // there
   bool is_barred_by_hazard_ = false;               // just now, on a way that led to the goal
   std::optional<TimestampNs> waits_since_ns_;      // for what is in the way and may go

@@ -406,6 +406,38 @@ TEST_F(GuidanceTest, WhoHasDriftedToWhatTheMapKnowsIsStoppedBeforeIt) {
   EXPECT_THAT(hear(1, 0.4), ::testing::Contains("Stop. Something is in the way."));
 }
 
+TEST_F(GuidanceTest, WhoWalksCloseAlongAWallIsNotStoppedBeforeIt) {
+  grid_ = testing::Floor(140, 16).grid();
+  has_rooms_ = false;
+  lead_to(bed_at({13, 0.8}, "hall"), {0.6, 0.8}, 0);
+  (void)hear(8);
+  ASSERT_EQ(guidance_->state(), State::kWalking);
+  sees_floor_ = true;
+  std::vector<std::string> said;
+  while (place_.x() < 9) {
+    place_.y() = 0.22;  // 0.12 m from it
+    for (const std::string& text : hear(0.2, 0.6)) said.push_back(text);
+  }
+  EXPECT_THAT(said, ::testing::Not(::testing::Contains(HasSubstr("in the way"))));
+}
+
+TEST_F(GuidanceTest, WhatTheMapKnowsIsToldOnceToWhoStandsBeforeIt) {
+  grid_ = testing::Floor(140, 24).fill({50, 1}, {56, 11}, FloorCell::kOccupied).grid();
+  has_rooms_ = false;
+  lead_to(bed_at({13, 1.6}, "hall"), {0.6, 1.6}, 0);
+  (void)hear(8);
+  while (place_.x() < 3.9) (void)hear(0.2, 0.6);
+  place_.y() = 0.9;
+  sees_floor_ = true;
+  std::vector<std::string> said;
+  for (int i = 0; i < 400 && !guidance_->is_over(); ++i) {
+    // They stand, and face where they are told to go, as if they had moved a little.
+    for (const std::string& text : hear(0.4, 0.02)) said.push_back(text);
+    place_.x() = 3.9;
+  }
+  EXPECT_LE(std::ranges::count(said, "Stop. Something is in the way."), 1);
+}
+
 TEST_F(GuidanceTest, WhatStandsWhereTheMapNeverLookedIsAnObstacle) {
   grid_ = testing::Floor(140, 10).fill({40, 1}, {43, 4}, FloorCell::kUnknown).grid();
   has_rooms_ = false;
