@@ -695,13 +695,15 @@ std::optional<Guidance::InTheWay> Guidance::in_the_way(const Pose& pose) const {
 
 std::optional<Prompt> Guidance::hazard(const Pose& pose, TimestampNs now_ns) {
   if (state_ != State::kWalking || legs_.empty() || map_.floor == nullptr) return std::nullopt;
+  if (known_stop_at_ && (*known_stop_at_ - pose.position_gravity).norm() > kHand_m) {
+    known_stop_at_.reset();
+  }
   if (hazard_ns_ && seconds_between(*hazard_ns_, now_ns) < kSameHazard_s) return std::nullopt;
   const auto obstacle = in_the_way(pose);
   if (!obstacle) return std::nullopt;
-  // What the map knows is told once: the way leads past it all the same, and a cane finds it.
-  const bool was_told = obstacle->is_on_map && known_stop_at_ &&
-                        (*known_stop_at_ - pose.position_gravity).norm() < kHand_m;
-  if (was_told) return std::nullopt;
+  // What the map knows is told once: the way leads past it all the same, and a cane finds it. Who
+  // comes back hears of it again.
+  if (obstacle->is_on_map && known_stop_at_) return std::nullopt;
   const double left_m = (legs_[leg_].to - pose.position_gravity).norm();
   // The first step is no hazard: before it one is stopped anyway.
   if (is_next_leg_stairs() && obstacle->ahead_m > left_m - kLegEnd_m) return std::nullopt;
