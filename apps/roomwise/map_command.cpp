@@ -32,6 +32,7 @@ struct MapOptions {
   std::string features = "surf";
   std::string method = "combined";
   bool no_bundle_adjustment = false;
+  bool no_upright = false;
   bool no_device_motion = false;
   bool no_keyframe_culling = false;
   std::optional<int> loop_random, loop_similar;  // default: the method's own
@@ -64,6 +65,7 @@ Expected<pipeline::MapSettings> new_settings(const MapOptions& options) {
   ROOMWISE_TRY(settings.features, features::parse_feature_kind(options.features));
   ROOMWISE_TRY(settings.mapper.method, mapping::parse_mapping_method(options.method));
   settings.bundle_adjustment = !options.no_bundle_adjustment;
+  settings.refinement.holds_upright = !options.no_upright;
   settings.keyframe_culling = !options.no_keyframe_culling;
   settings.mapper.device_motion = !options.no_device_motion;
   settings.mapper.loops = mapping::MapperOptions::of(settings.mapper.method).loops;
@@ -371,6 +373,9 @@ void add_map_command(CLI::App& app, Context& context) {
   how(command->add_flag("--no-bundle-adjustment", options.no_bundle_adjustment,
                         "Leave the map as the pose graph says: no landmarks, no rolling shutter "
                         "(so does --method paper)"));
+  how(command->add_flag("--no-upright", options.no_upright,
+                        "Do not hold the map upright by level surfaces and walls (so does "
+                        "--no-bundle-adjustment)"));
   how(command->add_flag("--no-device-motion", options.no_device_motion,
                         "Leave aside what the device says of its own motion (ARKit, odometry.txt; "
                         "so does --method paper)"));

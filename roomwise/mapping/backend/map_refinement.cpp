@@ -6,6 +6,7 @@
 #include <map>
 
 #include "roomwise/mapping/backend/frame_poses.h"
+#include "roomwise/mapping/backend/grounds.h"
 #include "roomwise/mapping/backend/refinement_windows.h"
 
 namespace roomwise::mapping {
@@ -78,6 +79,9 @@ struct BundlePlaces {
   [[nodiscard]] bool has(KeyframeId id) const { return place.contains(id); }
 };
 
+// At first the poses still err, and what is wrong is so many times further off than in the end.
+constexpr double kFirstSigmas = 10;
+
 // By key-frame id: which edges lead to it or from it, by their numbers.
 std::vector<std::vector<std::size_t>> edges_by_keyframe(std::size_t keyframes,
                                                         std::span<const PoseGraphEdge> edges) {
@@ -114,10 +118,12 @@ class Refiner {
         edges_of_(edges_by_keyframe(solution.world_from_keyframe.size(), edges_)),
         poses_(solution.world_from_keyframe),
         windows_(windows_of(solution, options)),
-        graph_options_(solver.graph) {
+        graph_options_(solver.graph),
+        grounds_(options.up, solution.component) {
     for (std::uint32_t i = 0; i < inputs.walks.size(); ++i) {
       const bool is_last = i + 1 == inputs.walks.size();
       walk_of_.resize(is_last ? poses_.size() : inputs.walks[i + 1].first_keyframe, i);
+      add_gravity(inputs.walks[i].frames);
     }
   }
 
@@ -150,7 +156,16 @@ class Refiner {
     sum_up(floated, refinement);
     PoseGraph graph;
     graph.edges = std::move(measured_);
-    for (KeyframeId id = 0; id < poses_.size(); ++id) graph.world_from_node[id] = poses_[id];
+    std::vector<KeyframeId> all;
+    for (KeyframeId id = 0; id < poses_.size(); ++id) {
+      graph.world_from_node[id] = poses_[id];
+      all.push_back(id);
+    }
+    const double kernel_sigmas = kFirstSigmas * options_.bundle.kernel_sigmas;
+    for (const Ground& ground : grounds_.under(all, poses_, poses_.size(), kernel_sigmas)) {
+      graph.world_from_node[ground.edges.front().from] = ground.world_from_ground;
+      std::ranges::copy(ground.edges, std::back_inserter(graph.edges));
+    }
     PoseGraphOptions plain = graph_options_;
     plain.relaxes_start = false;
     ROOMWISE_CHECK_OK(optimize(graph, plain));
@@ -191,6 +206,22 @@ class Refiner {
       refinement.rms_px = std::sqrt(squares / static_cast<double>(refinement.views));
   }
 
+  // What the devices felt in key-frames.
+  void add_gravity(std::span<const Frame> frames) {
+    for (const Frame& frame : frames) {
+      if (!frame.place || !frame.motion || !frame.motion->device.up_camera) continue;
+      const KeyframeId id = frame.place->keyframe;
+      if (inputs_.keyframe_times[id] == frame.timestamp_ns)
+        grounds_.add_gravity(id, *frame.motion->device.up_camera);
+    }
+  }
+
+  [[nodiscard]] std::vector<double> speeds_rad_s() const {
+    std::vector<double> speeds;
+    for (const Vector6d& velocity : velocities_) speeds.push_back(velocity.head<3>().norm());
+    return speeds;
+  }
+
   // How the cameras move, by the poses as they are now.
   void update_velocities() {
     const SolvedKeyframes keyframes{poses_, inputs_.keyframe_times, component_};
@@ -223,11 +254,12 @@ class Refiner {
       bundle.models.push_back({walk.camera, options_.residuals, walk.readout_s});
     bundle.models.back().readout_s = readout_s_;
     bundle.fixed_cameras = places.held;
-    bundle.cameras.resize(places.keyframe.size());
-    ROOMWISE_TRY(bundle.landmarks, landmarks_of(window, places));
+    std::vector<KeyframeId> seen;
+    std::ranges::merge(window.own, window.around, std::back_inserter(seen));
+    ROOMWISE_TRY(const std::vector<KeyframeFeatures> features, features_of(seen));
+    bundle.landmarks = landmarks_of(window, places, seen, features);
+    if (options_.holds_upright) grounds_.measure(seen, features, poses_, speeds_rad_s());
 
-    // At first the poses still err, and what is wrong is further off than that.
-    constexpr double kFirstSigmas = 10;
     AdjustedWindow adjusted;
     const auto go_on = [&] {
       progress_.advance(done_++, "");
@@ -236,8 +268,10 @@ class Refiner {
     for (int round = 0; round < options_.rounds; ++round) {
       // In windows they stay as they were when the sweep began: all frames would be asked anew.
       if (round > 0 && windows_.size() == 1) update_velocities();
+      const double widened = round == 0 ? kFirstSigmas : 1;
       set_cameras(window, places, floats, bundle);
-      cull_views(bundle, (round == 0 ? kFirstSigmas : 1) * options_.max_sigmas);
+      stand_on_grounds(places, widened * options_.bundle.kernel_sigmas, bundle);
+      cull_views(bundle, widened * options_.max_sigmas);
       ROOMWISE_TRY(const BundleReport report, adjust_bundle(bundle, options, go_on));
       adjusted.iterations += report.solver.iterations;
       adjusted.termination = report.solver.termination;
@@ -305,11 +339,9 @@ class Refiner {
   }
 
   // Landmarks that key-frames of the window see; those that none of its own sees move nothing.
-  [[nodiscard]] Expected<std::vector<Landmark>> landmarks_of(const RefinementWindow& window,
-                                                             const BundlePlaces& places) const {
-    std::vector<KeyframeId> ids;
-    std::ranges::merge(window.own, window.around, std::back_inserter(ids));
-    ROOMWISE_TRY(const std::vector<KeyframeFeatures> features, features_of(ids));
+  [[nodiscard]] std::vector<Landmark> landmarks_of(
+      const RefinementWindow& window, const BundlePlaces& places, std::span<const KeyframeId> ids,
+      std::span<const KeyframeFeatures> features) const {
     std::vector<RigidTransform> poses;
     std::vector<std::size_t> components;
     std::vector<bool> of_window;
@@ -346,10 +378,9 @@ class Refiner {
   // The cameras as the poses are now, with the edges between those of which one moves.
   void set_cameras(const RefinementWindow& window, const BundlePlaces& places, bool floats,
                    Bundle& bundle) {
-    for (std::size_t i = 0; i < places.keyframe.size(); ++i) {
-      const KeyframeId id = places.keyframe[i];
-      bundle.cameras[i] = {poses_[id], velocities_[id], walk_of_[id]};
-    }
+    bundle.cameras.clear();
+    for (const KeyframeId id : places.keyframe)
+      bundle.cameras.push_back({poses_[id], velocities_[id], walk_of_[id]});
     const auto while_read_out = [&](KeyframeId id) -> Vector6d {
       return bundle.models[walk_of_[id]].readout_s * velocities_[id];
     };
@@ -361,6 +392,18 @@ class Refiner {
           with_shutter_motion(edge, while_read_out(edge.from), while_read_out(edge.to)));
       placed.from = places.place.at(edge.from);
       placed.to = places.place.at(edge.to);
+    }
+  }
+
+  // The ground is one camera more, which sees nothing.
+  void stand_on_grounds(const BundlePlaces& places, double kernel_sigmas, Bundle& bundle) const {
+    const NodeId first = bundle.cameras.size();
+    for (Ground& ground : grounds_.under(places.keyframe, poses_, first, kernel_sigmas)) {
+      bundle.cameras.push_back({ground.world_from_ground});
+      for (PoseGraphEdge& edge : ground.edges) {
+        edge.to = places.place.at(edge.to);
+        bundle.edges.push_back(edge);
+      }
     }
   }
 
@@ -390,6 +433,7 @@ class Refiner {
   std::vector<RigidTransform> poses_;               // by key-frame id
   std::vector<RefinementWindow> windows_;
   PoseGraphOptions graph_options_;
+  Grounds grounds_;
   std::vector<PoseGraphEdge> measured_;  // edges_ as windows measure them
   std::vector<bool> is_measured_;
   std::vector<Vector6d> velocities_;  // by key-frame id
@@ -404,6 +448,7 @@ class Refiner {
 Expected<void> RefinementOptions::validate() const {
   ROOMWISE_CHECK_OK(landmarks.validate());
   ROOMWISE_CHECK_OK(bundle.validate());
+  ROOMWISE_CHECK_OK(up.validate());
   if (!(residuals.pixel_sigma_px > 0) || !(residuals.disparity_sigma_px > 0) ||
       !(residuals.focal_baseline_px_m > 0)) {
     return fail(

@@ -7,6 +7,7 @@
 
 #include "roomwise/base/progress.h"
 #include "roomwise/mapping/backend/map_solver.h"
+#include "roomwise/mapping/backend/up_measurement.h"
 #include "roomwise/mapping/bundle/bundle_adjustment.h"
 #include "roomwise/mapping/bundle/landmarks.h"
 #include "roomwise/mapping/frontend/mapper.h"
@@ -19,6 +20,9 @@ struct RefinementOptions {
   motion::ResidualModel residuals;
   double max_sigmas = 6;  // a view further from its landmark is culled
   int rounds = 2;         // of adjusting and culling
+  // Level surfaces and walls hold the key-frames upright.
+  bool holds_upright = true;
+  UpMeasurementOptions up;
   // A map of more is adjusted in windows (refinement_windows.h) of a third as many, with as many
   // around them held: what features, landmarks and equations take in memory is bounded by it, about
   // 0.35 MB each.
@@ -64,9 +68,11 @@ struct MapRefinement {
 
 // Bundle adjustment of a solved map: landmarks that covisible key-frames see, with depth as
 // disparity, together with the edges of the pose graph (without those that contradict it), which
-// hold what bare walls tell. The readout time of a rolling shutter is found with the rest; edges,
-// whose views were aligned as if exposed at once, are believed less the more the motions of their
-// two key-frames differ.
+// hold what bare walls tell. What is level and what stands upright holds the key-frames' tilt: how
+// a map bends along the vertical adds up from one to the next, and no landmark tells of it (as
+// floors do in Koide et al.'s hdl_graph_slam, 2019). The readout time of a rolling shutter is found
+// with the rest; edges, whose views were aligned as if exposed at once, are believed less the more
+// the motions of their two key-frames differ.
 //
 // A large map (RefinementOptions::max_keyframes) is adjusted in windows. First each by itself, with
 // nothing around it held: it measures the edges of its key-frames anew, and the pose graph of these

@@ -172,6 +172,69 @@ TEST(RefineMap, NeedsFeaturesOfAllKeyframes) {
   EXPECT_ERROR(map.refined(), "features of 11");
 }
 
+// A walk by bare walls, whose steps bend it upwards a little each: the floor and a wall are all
+// that it shows.
+Map bent_map() {
+  Map map({.cameras = 24, .landmarks = 50}, 0);
+  for (PoseGraphEdge& edge : map.edges)
+    edge.from_from_to.rotation =
+        edge.from_from_to.rotation * Eigen::AngleAxisd(0.004, Eigen::Vector3d::UnitX());
+  map.features.assign(map.features.size(), {});
+  const auto truth = testing::poses_of(map.scene.truth());
+  for (std::size_t id = 0; id < truth.size(); ++id) {
+    for (const Eigen::Vector3d& seen : {Eigen::Vector3d(0, -1, 0), Eigen::Vector3d(0, 0, -1)}) {
+      const Eigen::Vector3d normal = truth[id].rotation.conjugate() * seen;
+      map.features[id].normals.insert(map.features[id].normals.end(), 100, normal.cast<float>());
+    }
+  }
+  return map;
+}
+
+double worst_tilt_rad(const Map& map, const std::vector<RigidTransform>& poses) {
+  const auto truth = testing::poses_of(map.scene.truth());
+  double worst = 0;
+  for (std::size_t id = 0; id < poses.size(); ++id) {
+    const Eigen::Vector3d up =
+        poses[id].rotation *
+        (truth[id].rotation.conjugate() * (truth[0].rotation * Eigen::Vector3d(0, -1, 0)));
+    worst = std::max(worst, std::acos(std::min(1.0, -up.y())));
+  }
+  return worst;
+}
+
+TEST(RefineMap, FloorsAndWallsHoldItUpright) {
+  const Map map = bent_map();
+  EXPECT_GT(worst_tilt_rad(map, map.solution().world_from_keyframe), 0.08);
+  RefinementOptions without;
+  without.holds_upright = false;
+  RefinementOptions windows = small_windows();
+  const auto upright = map.refined();
+  const auto in_windows = map.refined(windows);
+  const auto bent = map.refined(without);
+  ASSERT_OK(upright);
+  ASSERT_OK(in_windows);
+  ASSERT_OK(bent);
+  EXPECT_LT(worst_tilt_rad(map, upright->world_from_keyframe), 0.02);
+  EXPECT_LT(worst_tilt_rad(map, in_windows->world_from_keyframe), 0.02);
+  EXPECT_GT(worst_tilt_rad(map, bent->world_from_keyframe), 0.08);
+}
+
+TEST(RefineMap, ComponentsStandOnGroundsOfTheirOwn) {
+  Map map = bent_map();
+  map.edges.erase(map.edges.begin() + 11);  // two components: 0 to 11 and 12 to 23
+  const auto refined = map.refined();
+  ASSERT_OK(refined);
+  const auto truth = testing::poses_of(map.scene.truth());
+  for (const std::size_t first : {0U, 12U}) {
+    for (std::size_t id = first; id < first + 12; ++id) {
+      const auto turned = refined->world_from_keyframe[first].rotation.conjugate() *
+                          refined->world_from_keyframe[id].rotation;
+      const auto expected = truth[first].rotation.conjugate() * truth[id].rotation;
+      EXPECT_LT(turned.angularDistance(expected), 0.02) << id;
+    }
+  }
+}
+
 TEST(RefineMap, InWindowsALargeMapIsAsGoodAsAdjustedWhole) {
   const Map map({.cameras = 40, .landmarks = 900, .noise_sigmas = 0.5}, 0.004);
   const auto whole = map.refined();

@@ -6,6 +6,7 @@
 
 #include "roomwise/mapping/bundle/feature_tracks.h"
 #include "roomwise/mapping/bundle/guided_matching.h"
+#include "roomwise/mapping/graph/up_direction.h"
 
 namespace roomwise::mapping {
 namespace {
@@ -70,9 +71,14 @@ Expected<void> LandmarkOptions::validate() const {
   return {};
 }
 
-KeyframeFeatures keyframe_features(const motion::MeasuredFeatures& features,
+KeyframeFeatures keyframe_features(const motion::FrameMeasurements& measurements,
                                    const PinholeCamera& camera, const LandmarkOptions& options) {
+  const motion::MeasuredFeatures& features = measurements.features();
   KeyframeFeatures taken;
+  if (!measurements.view().empty()) {
+    const motion::PyramidLevel& view = measurements.view().levels.front();
+    taken.normals = surface_normals(view.depth, view.camera);
+  }
   taken.camera = camera;
   const std::size_t count =
       std::min(features.size(), static_cast<std::size_t>(options.max_features));

@@ -9,7 +9,7 @@
 #include "roomwise/base/expected.h"
 #include "roomwise/geometry/rigid_transform.h"
 #include "roomwise/mapping/bundle/bundle_adjustment.h"
-#include "roomwise/motion/measured_features.h"
+#include "roomwise/motion/frame_measurements.h"
 
 namespace roomwise::mapping {
 
@@ -34,12 +34,14 @@ struct KeyframeFeatures {
   std::vector<LandmarkView> views;      // LandmarkView::camera is left at 0
   std::vector<Eigen::Vector3d> points;  // in the camera frame, m; z = 0: no depth
   std::vector<bool> bright;             // Keypoint::bright
+  // Of the surfaces seen, camera frame, unit length: which way is up is told by them.
+  std::vector<Eigen::Vector3f> normals;
   Eigen::Matrix<std::int8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> descriptors;
 
   [[nodiscard]] std::size_t size() const { return views.size(); }
   [[nodiscard]] bool has_point(std::size_t i) const { return points[i].z() > 0; }
 };
-[[nodiscard]] KeyframeFeatures keyframe_features(const motion::MeasuredFeatures& features,
+[[nodiscard]] KeyframeFeatures keyframe_features(const motion::FrameMeasurements& measurements,
                                                  const geometry::PinholeCamera& camera,
                                                  const LandmarkOptions& options = {});
 

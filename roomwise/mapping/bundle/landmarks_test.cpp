@@ -122,6 +122,22 @@ TEST(KeyframeFeatures, BitsOfBinaryDescriptorsAreSigns) {
   EXPECT_FALSE(small.has_point(0));
 }
 
+TEST(KeyframeFeatures, TellTheNormalsOfWhatTheViewShows) {
+  const geometry::PinholeCamera camera{200, 200, 79.5, 59.5, 160, 120, {}, 1000};
+  const image::GrayImage gray(camera.width, camera.height, 100);
+  const image::DepthImage wall(camera.width, camera.height, 2000);
+  const auto features_of = [&](const image::DepthImage& depth) {
+    return keyframe_features(
+        {motion::MeasuredFeatures(), motion::make_rgbd_pyramid(gray, depth, camera)}, camera);
+  };
+  const KeyframeFeatures seen = features_of(wall);
+  ASSERT_GT(seen.normals.size(), 500U);
+  for (const Eigen::Vector3f& normal : seen.normals)
+    EXPECT_LT((normal - Eigen::Vector3f(0, 0, -1)).norm(), 1e-3F);
+  EXPECT_TRUE(features_of(image::DepthImage(camera.width, camera.height, 0)).normals.empty());
+  EXPECT_TRUE(keyframe_features(motion::MeasuredFeatures(), camera).normals.empty());
+}
+
 TEST(LandmarkOptions, SayWhichIsWrong) {
   LandmarkOptions options;
   EXPECT_OK(options.validate());

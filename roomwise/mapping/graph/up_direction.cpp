@@ -130,20 +130,29 @@ Expected<void> UpDirectionOptions::validate() const {
   return {};
 }
 
+std::vector<Eigen::Vector3f> surface_normals(const image::DepthImage& depth,
+                                             const geometry::PinholeCamera& camera,
+                                             const UpDirectionOptions& options) {
+  std::vector<Eigen::Vector3f> normals;
+  const int step = std::max(1, depth.width() / options.grid_columns);
+  const int reach = step;
+  for (int y = reach; y + reach < depth.height(); y += step) {
+    for (int x = reach; x + reach < depth.width(); x += step) {
+      const auto normal = surface_normal(depth, camera, x, y, reach, options.max_depth_m);
+      if (normal) normals.push_back(normal->cast<float>());
+    }
+  }
+  return normals;
+}
+
 UpDirectionEstimator::UpDirectionEstimator(const UpDirectionOptions& options) : options_(options) {}
 
 void UpDirectionEstimator::add(const geometry::RigidTransform& world_from_camera,
                                const image::DepthImage& depth,
                                const geometry::PinholeCamera& camera) {
   add_camera(world_from_camera);
-  const int step = std::max(1, depth.width() / options_.grid_columns);
-  const int reach = step;
-  for (int y = reach; y + reach < depth.height(); y += step) {
-    for (int x = reach; x + reach < depth.width(); x += step) {
-      const auto normal = surface_normal(depth, camera, x, y, reach, options_.max_depth_m);
-      if (normal) add_normal(world_from_camera.rotation * *normal);
-    }
-  }
+  for (const Eigen::Vector3f& normal : surface_normals(depth, camera, options_))
+    add_normal(world_from_camera.rotation * normal.cast<double>());
 }
 
 void UpDirectionEstimator::add_camera(const geometry::RigidTransform& world_from_camera) {

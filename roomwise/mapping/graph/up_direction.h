@@ -22,6 +22,13 @@ struct UpDirectionOptions {
   [[nodiscard]] Expected<void> validate() const;
 };
 
+// The normals of the surfaces that a depth image shows, towards the camera, in its frame, unit
+// length; none where depth was not measured or does not lie in one plane. The image must have the
+// camera's size.
+[[nodiscard]] std::vector<Eigen::Vector3f> surface_normals(const image::DepthImage& depth,
+                                                           const geometry::PinholeCamera& camera,
+                                                           const UpDirectionOptions& options = {});
+
 struct UpDirection {
   Eigen::Vector3d up_world = -Eigen::Vector3d::UnitY();  // unit length
   // The share of the measured surface normals that belong to level surfaces under this direction.

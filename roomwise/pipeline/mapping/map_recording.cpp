@@ -146,8 +146,8 @@ Expected<mapping::FindFeatures> landmark_features(const home::Home& home, mappin
     std::vector<mapping::KeyframeFeatures> features;
     for (const home::KeyframeId id : ids) {
       ROOMWISE_TRY(const auto measurements, mapper.measurements(id));
-      features.push_back(mapping::keyframe_features(
-          measurements->features(), cameras.at(recording_of[id]), settings.refinement.landmarks));
+      features.push_back(mapping::keyframe_features(*measurements, cameras.at(recording_of[id]),
+                                                    settings.refinement.landmarks));
     }
     return features;
   };

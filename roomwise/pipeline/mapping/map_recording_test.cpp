@@ -789,6 +789,9 @@ TEST(MapSettings, SurviveTheHome) {
   EXPECT_TRUE(again->bundle_adjustment);
   settings.mapper.device_motion = false;
   EXPECT_FALSE(map_settings_from_json(to_json(settings))->mapper.device_motion);
+  EXPECT_TRUE(again->refinement.holds_upright);
+  settings.refinement.holds_upright = false;
+  EXPECT_FALSE(map_settings_from_json(to_json(settings))->refinement.holds_upright);
   settings.bundle_adjustment = false;
   EXPECT_FALSE(map_settings_from_json(to_json(settings))->bundle_adjustment);
   EXPECT_ERROR(map_settings_from_json("{}"), "cannot be read");

@@ -3,7 +3,6 @@
 #include <memory>
 #include <utility>
 
-#include "roomwise/image/resample.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/measured_frame_reader.h"
 
@@ -54,9 +53,8 @@ Expected<mapping::FindFeatures> stored_keyframe_features(const home::Home& home,
     const auto measure = [&](const home::Keyframe& keyframe, const DecodedImages& images) {
       const geometry::PinholeCamera& camera = cameras.at(keyframe.recording);
       return mapping::keyframe_features(
-          motion::measure_features(extractor->extract(image::to_gray(images.color)), images.depth,
-                                   camera, settings.depth),
-          camera, settings.refinement.landmarks);
+          measure_frame(images.color, images.depth, camera, *extractor, settings), camera,
+          settings.refinement.landmarks);
     };
     std::vector<mapping::KeyframeFeatures> found;
     const auto keep = [&](const home::Keyframe&,

@@ -1,0 +1,74 @@
+#include "roomwise/mapping/backend/grounds.h"
+
+#include "roomwise/mapping/graph/up_direction.h"
+
+namespace roomwise::mapping {
+namespace {
+
+using Eigen::Vector3d;
+using geometry::RigidTransform;
+
+// The places in `ids` of those of each component.
+std::map<std::size_t, std::vector<std::size_t>> by_component(
+    std::span<const KeyframeId> ids, std::span<const std::size_t> component) {
+  std::map<std::size_t, std::vector<std::size_t>> places;
+  for (std::size_t i = 0; i < ids.size(); ++i) places[component[ids[i]]].push_back(i);
+  return places;
+}
+
+}  // namespace
+
+void Grounds::measure(std::span<const KeyframeId> ids, std::span<const KeyframeFeatures> features,
+                      std::span<const RigidTransform> world_from_keyframe,
+                      std::span<const double> speeds_rad_s) {
+  for (const auto& [component, places] : by_component(ids, component_)) {
+    UpDirectionEstimator estimator;
+    for (const std::size_t i : places) {
+      const RigidTransform& pose = world_from_keyframe[ids[i]];
+      estimator.add_camera(pose);
+      if (const auto felt = gravity_.find(ids[i]); felt != gravity_.end())
+        estimator.add_gravity(pose.rotation * felt->second);
+      for (const Eigen::Vector3f& normal : features[i].normals)
+        estimator.add_normal(pose.rotation * normal.cast<double>());
+    }
+    const UpDirection up = estimator.estimate();
+    for (const std::size_t i : places) {
+      measured_.erase(ids[i]);
+      if (!(up.support > 0)) continue;
+      const auto measured = measure_up(
+          features[i].normals, world_from_keyframe[ids[i]].rotation.conjugate() * up.up_world,
+          speeds_rad_s[ids[i]], options_);
+      if (measured) measured_[ids[i]] = *measured;
+    }
+  }
+}
+
+std::vector<Ground> Grounds::under(std::span<const KeyframeId> ids,
+                                   std::span<const RigidTransform> world_from_keyframe,
+                                   NodeId first_node, double kernel_sigmas) const {
+  std::vector<Ground> grounds;
+  for (const auto& [component, places] : by_component(ids, component_)) {
+    Vector3d up_world = Vector3d::Zero();
+    for (const std::size_t i : places) {
+      const auto one = measured_.find(ids[i]);
+      if (one != measured_.end())
+        up_world += world_from_keyframe[ids[i]].rotation * one->second.up_camera;
+    }
+    if (!(up_world.norm() > 0)) continue;
+    const NodeId node = first_node + grounds.size();
+    Ground& ground = grounds.emplace_back();
+    ground.world_from_ground.rotation =
+        Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), up_world);
+    for (const std::size_t i : places) {
+      const auto one = measured_.find(ids[i]);
+      if (one == measured_.end()) continue;
+      ground.edges.push_back(up_edge(node, ground.world_from_ground, ids[i],
+                                     world_from_keyframe[ids[i]], one->second, kernel_sigmas));
+    }
+    // Loosely: so that the ground does not turn about up, or go elsewhere, as it may.
+    ground.edges.front().information += geometry::Matrix6d::Identity();
+  }
+  return grounds;
+}
+
+}  // namespace roomwise::mapping

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <map>
+#include <span>
+#include <vector>
+
+#include "roomwise/mapping/backend/up_measurement.h"
+#include "roomwise/mapping/bundle/landmarks.h"
+
+namespace roomwise::mapping {
+
+// The level ground under key-frames of one component: a node of its own, whose z axis is up, with
+// an edge to each key-frame that tells of up. The edges hold the key-frames' tilt to each other and
+// nothing else: which way the ground lies is found with them.
+struct Ground {
+  geometry::RigidTransform world_from_ground;
+  std::vector<PoseGraphEdge> edges;  // from the ground's node to key-frames
+};
+
+// What the key-frames of a map tell of up.
+class Grounds {
+ public:
+  // `component` by key-frame id; it is kept as a view.
+  Grounds(const UpMeasurementOptions& options, std::span<const std::size_t> component)
+      : options_(options), component_(component) {}
+
+  // Up as the device of a key-frame felt it, in its camera's frame.
+  void add_gravity(KeyframeId id, const Eigen::Vector3d& up_camera) { gravity_[id] = up_camera; }
+
+  // Measures up in these key-frames, by their normals, at poses that may still err by some degrees;
+  // poses and speeds (rad/s, of the camera's turning) are by key-frame id.
+  void measure(std::span<const KeyframeId> ids, std::span<const KeyframeFeatures> features,
+               std::span<const geometry::RigidTransform> world_from_keyframe,
+               std::span<const double> speeds_rad_s);
+
+  // Under those of these key-frames that were measured, one for each component; the first ground's
+  // node is `first_node`, the others follow. Edges are made with up_edge().
+  [[nodiscard]] std::vector<Ground> under(
+      std::span<const KeyframeId> ids,
+      std::span<const geometry::RigidTransform> world_from_keyframe, NodeId first_node,
+      double kernel_sigmas) const;
+
+ private:
+  UpMeasurementOptions options_;
+  std::span<const std::size_t> component_;
+  std::map<KeyframeId, Eigen::Vector3d> gravity_;  // camera frame
+  std::map<KeyframeId, UpMeasurement> measured_;
+};
+
+}  // namespace roomwise::mapping
