@@ -1,3 +1,4 @@
+#include <Eigen/Geometry>
 #include <filesystem>
 
 #include "command_run.h"
@@ -7,6 +8,7 @@
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/floor_plan_drawing.h"
 #include "roomwise/pipeline/rooms/home_layout.h"
+#include "roomwise/pipeline/rooms/room_outline.h"
 
 namespace roomwise::app {
 namespace {
@@ -18,19 +20,38 @@ struct LayoutOptions {
   fs::path plan;  // empty: no picture
 };
 
+// The plan is drawn turned as the map in the report: cells of the turned picture take what the grid
+// has at their middles.
 evaluation::FloorPlanView view_of(const pipeline::HomeLayout& home) {
   const fusion::FloorGrid& grid = home.grid;
+  const Eigen::Rotation2Dd turned_from_gravity(
+      -pipeline::drawing_direction_rad(grid, home.frame.storeys));
+  Eigen::AlignedBox2d extent;
+  const Eigen::Vector2d size = grid.cell_m() * Eigen::Vector2d(grid.columns(), grid.rows());
+  for (const Eigen::Vector2d& corner :
+       {Eigen::Vector2d(0, 0), Eigen::Vector2d(size.x(), 0), Eigen::Vector2d(0, size.y()), size}) {
+    extent.extend(turned_from_gravity * (grid.origin_m() + corner));
+  }
   const auto in_cells = [&](const Eigen::Vector2d& point_gravity) {
-    return Eigen::Vector2d((point_gravity - grid.origin_m()) / grid.cell_m());
+    return Eigen::Vector2d((turned_from_gravity * point_gravity - extent.min()) / grid.cell_m());
   };
+  const Eigen::Array2i cells = (extent.sizes() / grid.cell_m()).array().ceil().max(1).cast<int>();
   evaluation::FloorPlanView view;
   view.cell_m = grid.cell_m();
-  view.room_of_cell = image::Image<std::int16_t>(grid.columns(), grid.rows(), -1);
-  view.is_floor = image::Image<std::uint8_t>(grid.columns(), grid.rows(), 0);
-  for (int row = 0; row < grid.rows(); ++row) {
-    for (int column = 0; column < grid.columns(); ++column) {
-      view.is_floor.at(column, row) = grid.at(column, row) == fusion::FloorCell::kFree ? 1 : 0;
-      if (const auto room = home.layout.room_of_cell(column, row)) {
+  view.room_of_cell = image::Image<std::int16_t>(cells.x(), cells.y(), -1);
+  view.is_floor = image::Image<std::uint8_t>(cells.x(), cells.y(), 0);
+  for (int row = 0; row < cells.y(); ++row) {
+    for (int column = 0; column < cells.x(); ++column) {
+      const Eigen::Vector2d middle =
+          extent.min() + grid.cell_m() * Eigen::Vector2d(column + 0.5, row + 0.5);
+      const Eigen::Array2i at =
+          ((turned_from_gravity.inverse() * middle - grid.origin_m()) / grid.cell_m())
+              .array()
+              .floor()
+              .cast<int>();
+      if ((at < 0).any() || at.x() >= grid.columns() || at.y() >= grid.rows()) continue;
+      view.is_floor.at(column, row) = grid.at(at.x(), at.y()) == fusion::FloorCell::kFree ? 1 : 0;
+      if (const auto room = home.layout.room_of_cell(at.x(), at.y())) {
         view.room_of_cell.at(column, row) = static_cast<std::int16_t>(*room);
       }
     }
@@ -39,15 +60,18 @@ evaluation::FloorPlanView view_of(const pipeline::HomeLayout& home) {
     view.rooms.push_back({room.name, room.floor_m2, in_cells(room.middle_gravity)});
   }
   for (const rooms::Doorway& doorway : home.layout.doorways()) {
-    if (doorway.is_stairs) continue;
-    view.doorways.push_back({in_cells(doorway.middle_gravity), doorway.is_walked});
+    if (!doorway.is_door()) continue;
+    view.doors.push_back({in_cells(doorway.middle_gravity), doorway.is_walked});
   }
   return view;
 }
 
-std::string width_in_words(const rooms::Doorway& doorway) {
-  std::string words = doorway.width_m > 0 ? fmt::format("{:.1f} m wide", doorway.width_m)
-                                          : std::string("how wide was not seen");
+// What leads from one room to the other, and how wide it is.
+std::string way_in_words(const rooms::Doorway& doorway) {
+  std::string words = doorway.is_door() ? "a door" : "open to each other";
+  words += doorway.width_m == 0 ? ", how wide was not seen"
+           : doorway.is_framed  ? fmt::format(", {:.1f} m wide", doorway.width_m)
+                                : fmt::format(", at least {:.1f} m wide", doorway.width_m);
   return doorway.is_walked ? words : words + ", nobody walked through";
 }
 
@@ -116,13 +140,14 @@ Answer answer_of(const pipeline::HomeLayout& home) {
   }
   for (const rooms::Doorway& doorway : home.layout.doorways()) {
     if (doorway.is_stairs) continue;
-    answer.text += fmt::format("{} to {}: {}, at {:.1f} {:.1f} m\n", doorway.rooms[0],
-                               doorway.rooms[1], width_in_words(doorway),
-                               doorway.middle_gravity.x(), doorway.middle_gravity.y());
+    answer.text +=
+        fmt::format("{} to {}: {}, at {:.1f} {:.1f} m\n", doorway.rooms[0], doorway.rooms[1],
+                    way_in_words(doorway), doorway.middle_gravity.x(), doorway.middle_gravity.y());
     answer.json["doorways"].push_back(
         {{"rooms", doorway.rooms},
          {"middle_m", {doorway.middle_gravity.x(), doorway.middle_gravity.y()}},
          {"width_m", doorway.width_m},
+         {"door", doorway.is_door()},
          {"walked", doorway.is_walked}});
   }
   add_storeys(home, answer);

@@ -17,7 +17,7 @@ struct FloorPlanView {
     double floor_m2 = 0;
     Eigen::Vector2d place = Eigen::Vector2d::Zero();  // of its name
   };
-  struct Doorway {
+  struct Door {
     Eigen::Vector2d place = Eigen::Vector2d::Zero();
     bool is_walked = false;
   };
@@ -25,11 +25,13 @@ struct FloorPlanView {
   image::Image<std::int16_t> room_of_cell;  // index into rooms; -1: none. Row 0 is the lowest
   image::Image<std::uint8_t> is_floor;      // of the same size; not 0: free floor
   std::vector<Room> rooms;
-  std::vector<Doorway> doorways;
+  std::vector<Door> doors;
 };
 
-// Rooms in colours, free floor light and what stands on it darker, with their names; doorways as
-// circles, filled where somebody walked through; a ruler of 1 m. Cells without a room stay empty.
+// Rooms in the colours that the map has them in (by their order), free floor light and what stands
+// on it darker, with their names, none over another or over a door; doors as circles, filled where
+// somebody walked through; a ruler of 1 m and a legend. Cells without a room stay empty. Where
+// rooms are open to each other nothing but their colours meets.
 [[nodiscard]] SvgDrawing draw_floor_plan(const FloorPlanView& view);
 
 }  // namespace roomwise::evaluation

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <vector>
 
 #include "roomwise/evaluation/data_address.h"
+#include "roomwise/evaluation/label_space.h"
 
 namespace roomwise::evaluation {
 namespace {
@@ -14,8 +16,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kMapJpegQuality = 85;
-constexpr double kLegendRow = 40;     // px
-constexpr double kLetterWidth = 0.6;  // of the font's size, about
+constexpr double kLegendRow = 40;  // px
 
 // How the walk through a room is drawn.
 struct RoomStyle {
@@ -24,17 +25,20 @@ struct RoomStyle {
   std::string dot;   // and of its key-frames
 };
 
-// The named rooms in the order of the walk. Eight colours and seven patterns of dashes: rooms of
-// one colour differ in their dashes, and only the 57th room looks like the first.
+// The named rooms by name, as every drawing of the home has them. Eight colours and seven patterns
+// of dashes: rooms of one colour differ in their dashes, and only the 57th room looks like the
+// first.
 class RoomStyles {
  public:
   explicit RoomStyles(std::span<const MapKeyFrame> key_frames) {
     constexpr std::array<const char*, 7> kDashes = {"none",      "16 7",         "4 6", "22 6 4 6",
                                                     "10 4 10 9", "22 6 4 6 4 6", "8 8"};
-    for (const MapKeyFrame& key_frame : key_frames) {
-      if (key_frame.room.empty() || find(key_frame.room) != nullptr) continue;
+    std::set<std::string> names;
+    for (const MapKeyFrame& key_frame : key_frames) names.insert(key_frame.room);
+    names.erase("");
+    for (const std::string& name : names) {
       const std::size_t place = styles_.size();
-      styles_.push_back({key_frame.room,
+      styles_.push_back({name,
                          fmt::format("class=\"path room-{}\" stroke-dasharray=\"{}\"",
                                      place % kColors, kDashes[place % kDashes.size()]),
                          fmt::format("class=\"key-frame dot-{}\"", place % kColors)});
@@ -57,36 +61,6 @@ class RoomStyles {
   RoomStyle unnamed_ = {"no room named", "class=\"path room-none\" stroke-dasharray=\"2 5\"",
                         "class=\"key-frame dot-none\""};
 };
-
-// Where labels stand already.
-class LabelSpace {
- public:
-  explicit LabelSpace(const Vector2d& size) : size_(size) {}
-
-  struct Box {
-    Vector2d low;
-    Vector2d high;
-  };
-  [[nodiscard]] bool is_free(const Box& box) const {
-    if ((box.low.array() < 0).any() || (box.high.array() > size_.array()).any()) return false;
-    return std::ranges::none_of(taken_, [&](const Box& other) {
-      return (box.low.array() < other.high.array()).all() &&
-             (other.low.array() < box.high.array()).all();
-    });
-  }
-  void take(const Box& box) { taken_.push_back(box); }
-
- private:
-  Vector2d size_;
-  std::vector<Box> taken_;
-};
-
-// The box of a text whose baseline begins at `start`.
-LabelSpace::Box text_box(const Vector2d& start, std::string_view text, double font_px) {
-  return {{start.x(), start.y() - 0.8 * font_px},
-          {start.x() + kLetterWidth * font_px * static_cast<double>(text.size()),
-           start.y() + 0.25 * font_px}};
-}
 
 void draw_walk(SvgDrawing& drawing, const TopView& view, std::span<const MapKeyFrame> key_frames,
                const RoomStyles& styles) {
@@ -141,8 +115,8 @@ void draw_room_names(SvgDrawing& drawing, const TopView& view,
   for (const RoomStyle& style : styles.named()) {
     const Vector2d centre = centre_of_room(view, key_frames, style.name);
     // Moved down row by row where the name of another room stands.
-    const double half_width = kLetterWidth * kFont * static_cast<double>(style.name.size()) / 2;
-    LabelSpace::Box box = text_box(centre - Vector2d(half_width, 0), style.name, kFont);
+    const double half_width = LabelSpace::width_of(style.name, kFont) / 2;
+    LabelSpace::Box box = LabelSpace::of_text(centre - Vector2d(half_width, 0), style.name, kFont);
     double down = 0;
     constexpr int kMaxRows = 4;
     for (int row = 0; row < kMaxRows && !space.is_free(box); ++row) {
@@ -174,13 +148,13 @@ void draw_objects(SvgDrawing& drawing, const TopView& view, std::span<const MapO
   // A name stands where there is room for it; the number always says which object it is.
   for (const MapObject& object : objects) {
     const Vector2d centre = marker_of(object, view, kRadius);
-    const double width = kLetterWidth * kFont * static_cast<double>(object.name.size());
+    const double width = LabelSpace::width_of(object.name, kFont);
     const std::array<Vector2d, 4> starts = {centre + Vector2d(kRadius + 6, 7),
                                             centre + Vector2d(-kRadius - 6 - width, 7),
                                             centre + Vector2d(-width / 2, kRadius + kFont),
                                             centre + Vector2d(-width / 2, -kRadius - 8)};
     for (const Vector2d& start : starts) {
-      const LabelSpace::Box box = text_box(start, object.name, kFont);
+      const LabelSpace::Box box = LabelSpace::of_text(start, object.name, kFont);
       if (!space.is_free(box)) continue;
       space.take(box);
       drawing.text(start, object.name, "class=\"on-map\"");
@@ -206,8 +180,7 @@ std::vector<LegendEntry> lay_out_legend(const RoomStyles& styles,
   if (some_unnamed) entries.push_back({&styles.unnamed()});
   Vector2d place = start;
   for (LegendEntry& entry : entries) {
-    const double entry_width =
-        110 + kLetterWidth * 20 * static_cast<double>(entry.style->name.size());
+    const double entry_width = 110 + LabelSpace::width_of(entry.style->name, 20);
     if (place.x() + entry_width > width && place.x() > 24) place = {24, place.y() + kLegendRow};
     entry.place = place;
     place.x() += entry_width;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <vector>
 
@@ -42,6 +43,14 @@ TEST(MapDrawing, DrawsEachStretchInTheStyleOfItsRoom) {
   EXPECT_EQ(count_of(svg, ">kitchen<"), 2);
   EXPECT_EQ(count_of(svg, ">no room named<"), 1);
   EXPECT_THAT(svg, HasSubstr("x1=\"24\" y1=\"626\" x2=\"124\" y2=\"626\" class=\"ruler\""));
+}
+
+TEST(MapDrawing, RoomsHaveTheirColoursByNameWhicheverWasEnteredFirst) {
+  std::vector<MapKeyFrame> back = kWalk;
+  std::ranges::reverse(back);
+  back.erase(back.begin());  // it begins in no room, then the kitchen
+  EXPECT_THAT(draw_map(plain_view(), back, {}).element(),
+              HasSubstr("class=\"path room-1\" stroke-dasharray=\"16 7\""));
 }
 
 TEST(MapDrawing, DrawsNoLineFromOneWalkToTheNext) {

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <numbers>
 #include <vector>
 
 #include "roomwise/evaluation/quantile.h"
+#include "roomwise/geometry/drawing_direction.h"
 
 namespace roomwise::evaluation {
 namespace {
@@ -37,39 +36,6 @@ std::vector<std::size_t> points_under_ceiling(const geometry::PointCloud& cloud,
     if (point.allFinite() && up.dot(point) <= ceiling) kept.push_back(i);
   }
   return kept;
-}
-
-// How far the points gather in lines along the axes of the plane turned by `angle_rad`: walls along
-// an axis fall into few places of the other.
-double gathering(const std::vector<Vector2d>& points, double angle_rad) {
-  constexpr double kBin_m = 0.05;
-  double squares = 0;
-  for (const double turn : {0.0, std::numbers::pi / 2}) {
-    const Vector2d axis(std::cos(angle_rad + turn), std::sin(angle_rad + turn));
-    std::map<long, double> counts;
-    for (const Vector2d& point : points) ++counts[std::lround(axis.dot(point) / kBin_m)];
-    for (const auto& [bin, count] : counts) squares += count * count;
-  }
-  return squares;
-}
-
-// The direction, to a degree, along which or across which most walls run.
-Vector2d direction_of_walls(const std::vector<Vector2d>& points) {
-  constexpr std::size_t kEnough = 20'000;
-  std::vector<Vector2d> some;
-  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / kEnough) {
-    some.push_back(points[i]);
-  }
-  double best_angle_rad = 0;
-  double best = -1;
-  for (int degrees = 0; degrees < 90; ++degrees) {
-    const double angle_rad = degrees * std::numbers::pi / 180;
-    const double value = gathering(some, angle_rad);
-    if (value <= best) continue;
-    best = value;
-    best_angle_rad = angle_rad;
-  }
-  return {std::cos(best_angle_rad), std::sin(best_angle_rad)};
 }
 
 std::vector<Vector2d> on_plane(const geometry::PointCloud& cloud,
@@ -105,20 +71,17 @@ Bounds bounds_of(const std::vector<Vector2d>& points, std::span<const Vector3d> 
   return bounds;
 }
 
-// The frame whose axes follow the walls, the first along the longer side, from where the walk
-// begins.
-GravityAlignedFrame frame_along_walls(const geometry::PointCloud& cloud,
-                                      const std::vector<std::size_t>& kept,
-                                      std::span<const Vector3d> cameras, const Vector3d& up) {
+// The frame whose first axis lies to the right.
+GravityAlignedFrame drawing_frame(const geometry::PointCloud& cloud,
+                                  const std::vector<std::size_t>& kept,
+                                  std::span<const Vector3d> cameras, const Vector3d& up,
+                                  const std::optional<Vector3d>& right_world) {
+  if (right_world) return level_frame(up, (*right_world - up.dot(*right_world) * up).normalized());
   const GravityAlignedFrame any = level_frame(up, up.unitOrthogonal());
-  const Vector2d wall = direction_of_walls(on_plane(cloud, kept, any));
-  GravityAlignedFrame level = level_frame(up, (any.transpose() * wall).normalized());
-  const Bounds bounds = bounds_of(on_plane(cloud, kept, level), cameras, level);
-  const Vector2d extent = bounds.high - bounds.low;
-  Vector3d axis = level.row(extent.x() >= extent.y() ? 0 : 1);
-  const Vector2d centre = (bounds.low + bounds.high) / 2;
-  if (axis.dot(cameras.front()) > axis.dot(level.transpose() * centre)) axis = -axis;
-  return level_frame(up, axis);
+  const double right_rad =
+      geometry::drawing_direction_rad(on_plane(cloud, kept, any), any * cameras.front());
+  return level_frame(
+      up, (any.transpose() * Vector2d(std::cos(right_rad), std::sin(right_rad))).normalized());
 }
 
 // Paints squares; the highest point wins each pixel.
@@ -169,7 +132,8 @@ Expected<TopView> render_top_view(const geometry::PointCloud& cloud,
   const auto kept = points_under_ceiling(cloud, cameras, up_world, options.cut_above_m);
   if (kept.empty()) return fail("the map cannot be drawn: it holds no point below the ceiling");
 
-  const GravityAlignedFrame level = frame_along_walls(cloud, kept, cameras, up_world);
+  const GravityAlignedFrame level =
+      drawing_frame(cloud, kept, cameras, up_world, options.right_world);
   const Bounds bounds = bounds_of(on_plane(cloud, kept, level), cameras, level);
 
   const Vector2d extent_m = bounds.high - bounds.low + Vector2d::Constant(2 * options.margin_m);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 
 #include "roomwise/base/expected.h"
@@ -15,6 +16,9 @@ struct TopViewOptions {
   double point_size_m = 0.03;     // side of a point's square, somewhat more than the cloud's voxels
   double margin_m = 0.3;          // empty ground around the map
   Rgb8 ground = {242, 242, 239};  // where nothing was measured
+  // What lies to the right, level; absent: as geometry::drawing_direction_rad finds it in the
+  // cloud.
+  std::optional<Eigen::Vector3d> right_world = {};
 
   [[nodiscard]] Expected<void> validate() const;
 };

@@ -11,9 +11,6 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kShortLeg_m = 0.4;  // a corner that is cut, not a leg
-// A door for a wheelchair is 0.9 m wide, one of two leaves 1.3 m and wider; an opening that both
-// hands can find at once is no wider than the arms' reach.
-constexpr double kWidestDoor_m = 1.4;
 
 // The place on a leg where it passes a doorway; nothing where it does not.
 std::optional<Vector2d> door_on(const Vector2d& from, const Vector2d& to,
@@ -39,6 +36,7 @@ std::vector<Leg> parts_of(const Route& route, std::span<const rooms::Doorway> do
     }
     std::vector<Vector2d> places;
     for (const rooms::Doorway& door : doors) {
+      if (!door.is_door()) continue;
       if (const auto place = door_on(from, route[i], door)) places.push_back(*place);
     }
     std::ranges::sort(places, {},
@@ -77,13 +75,9 @@ std::vector<Leg> legs_of(const Route& route, std::span<const rooms::Doorway> doo
   return result;
 }
 
-bool is_door(const rooms::Doorway& doorway) {
-  return doorway.width_m <= kWidestDoor_m && (doorway.width_m > 0 || doorway.is_walked);
-}
-
 std::vector<rooms::Doorway> doors_of(std::span<const rooms::Doorway> doorways) {
   std::vector<rooms::Doorway> doors;
-  std::ranges::copy_if(doorways, std::back_inserter(doors), is_door);
+  std::ranges::copy_if(doorways, std::back_inserter(doors), &rooms::Doorway::is_door);
   return doors;
 }
 

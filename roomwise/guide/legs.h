@@ -26,14 +26,13 @@ struct Leg {
   [[nodiscard]] double heading_rad() const;
 };
 
-// The legs of a way: corners and doors end one. Corners that hardly turn, and legs shorter than a
-// step, are joined with what comes after them, unless there is a door between. Stairs are a leg.
-[[nodiscard]] std::vector<Leg> legs_of(const Route& route, std::span<const rooms::Doorway> doors,
+// The legs of a way: corners and doors (of the `doorways`) end one. Corners that hardly turn, and
+// legs shorter than a step, are joined with what comes after them, unless there is a door between.
+// Stairs are a leg.
+[[nodiscard]] std::vector<Leg> legs_of(const Route& route, std::span<const rooms::Doorway> doorways,
                                        std::span<const fusion::Staircase> stairs = {});
 
-// Of the places where rooms meet those that a hand can find: a door's frame, an opening in a wall.
-// The border of two rooms that are open to each other is wider than any door.
-[[nodiscard]] bool is_door(const rooms::Doorway& doorway);
+// Of the places where rooms meet those that a hand can find, see rooms::Doorway::is_door.
 [[nodiscard]] std::vector<rooms::Doorway> doors_of(std::span<const rooms::Doorway> doorways);
 
 // From one heading to another, from -pi to pi, positive to the left.

@@ -162,15 +162,16 @@ TEST_F(TwoRoomsTest, WithoutAPlaceTheRoomsAreTold) {
 }
 
 TEST(DoorsTest, BordersOfOpenAreasAreNoDoors) {
-  rooms::Doorway door;
+  rooms::Doorway open, door, wide;
   door.width_m = 0.9;
-  EXPECT_TRUE(is_door(door));
-  door.width_m = 2.5;
-  EXPECT_FALSE(is_door(door));
-  door.width_m = 0;  // the map shows none
-  EXPECT_FALSE(is_door(door));
-  door.is_walked = true;
-  EXPECT_TRUE(is_door(door));
+  door.is_framed = true;
+  wide.width_m = 2.5;
+  wide.is_framed = true;
+  open.width_m = 0.5;
+  open.is_walked = true;
+  EXPECT_EQ(doors_of(std::vector{open, door, wide}).size(), 1U);
+  door.width_m = 0;  // somebody says that it is there
+  EXPECT_EQ(doors_of(std::vector{open, door, wide}).size(), 1U);
 }
 
 TEST(PlanTest, OptionsSayWhatIsWrong) {

@@ -158,9 +158,12 @@ TEST_F(RoutePromptsTest, DoorsAndCornersEndALeg) {
   door.rooms = {"corridor", "kitchen"};
   door.middle_gravity = Vector2d(2, 0.1);
   door.width_m = 0.8;
+  door.is_framed = true;
   EXPECT_THAT(words(route, 0, {door}),
               ElementsAre("Straight on, then 4 steps to the door.", "Straight on, then 4 steps.",
                           "Turn left, then 4 steps to the microwave."));
+  door.is_framed = false;  // the rooms are open to each other there
+  EXPECT_EQ(words(route, 0, {door}), words(route, 0));
   EXPECT_THAT(words(route, 0), ElementsAre("Straight on, then 8 steps.",
                                            "Turn left, then 4 steps to the microwave."));
 }

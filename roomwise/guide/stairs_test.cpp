@@ -104,7 +104,7 @@ TEST_F(StairsTest, JoinTheRoomsInWhichTheyBeginAndEnd) {
   ASSERT_EQ(layout_.doorways().size(), 1U);
   EXPECT_TRUE(layout_.doorways()[0].is_stairs);
   EXPECT_THAT(layout_.neighbors("hall"), ElementsAre("landing"));
-  EXPECT_FALSE(is_door(layout_.doorways()[0])) << "nobody is told of a door there";
+  EXPECT_FALSE(layout_.doorways()[0].is_door()) << "nobody is told of a door there";
 }
 
 TEST_F(StairsTest, AreALegOfTheWay) {

@@ -138,6 +138,8 @@ TEST_F(EditRoutes, ThePlanHasRoomsAsPolygonsAndTheDoorsBetween) {
   EXPECT_GE(plan.at("rooms")[0].at("polygons").at(0).at(0).size(), 4U);
   ASSERT_FALSE(plan.at("doors").empty());
   EXPECT_EQ(plan.at("doors")[0].at("rooms"), json({"bedroom", "kitchen"}));
+  EXPECT_TRUE(plan.at("doors")[0].at("door").is_boolean());
+  EXPECT_EQ(std::remainder(plan.at("right_degrees").get<double>(), 1), 0) << "whole degrees";
 }
 
 TEST_F(EditRoutes, WhatTheWalksHaveNotShownIsToldOfEachRoom) {

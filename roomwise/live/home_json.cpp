@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <numbers>
 
 #include "roomwise/base/calendar_time.h"
 #include "roomwise/pipeline/rooms/room_outline.h"
@@ -170,8 +171,9 @@ Json home_json(const HomeView& view) {
   if (view.layout) {
     for (const rooms::Doorway& doorway : view.layout->doorways()) {
       if (doorway.is_stairs) continue;
-      json["doorways"].push_back(
-          {{"rooms", doorway.rooms}, {"middle", json_of(doorway.middle_gravity)}});
+      json["doorways"].push_back({{"rooms", doorway.rooms},
+                                  {"middle", json_of(doorway.middle_gravity)},
+                                  {"door", doorway.is_door()}});
     }
   }
   for (const guide::KnownThing& thing : view.things) json["things"].push_back(thing_json(thing));
@@ -204,10 +206,17 @@ Json plan_json(const HomeView& view) {
       if (door.is_stairs) continue;
       doors.push_back({{"rooms", door.rooms},
                        {"middle", json_of(door.middle_gravity)},
-                       {"width_m", door.width_m}});
+                       {"width_m", door.width_m},
+                       {"door", door.is_door()}});
     }
   }
-  return {{"rooms", std::move(rooms)}, {"doors", std::move(doors)}};
+  double right_rad = 0;
+  if (view.map && view.map->floor) {
+    right_rad = pipeline::drawing_direction_rad(*view.map->floor, view.map->frame.storeys);
+  }
+  return {{"rooms", std::move(rooms)},
+          {"doors", std::move(doors)},
+          {"right_degrees", right_rad * 180 / std::numbers::pi}};
 }
 
 Json edits_json(const HomeView& view) {

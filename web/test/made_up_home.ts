@@ -20,9 +20,9 @@ export function makeHome(): Home {
       name, type: name, floor_m2: Math.round(width * depth * 10) / 10, middle: [x + width / 2, y + depth / 2],
     })),
     doorways: [
-      { rooms: ['corridor', 'kitchen'], middle: [1.5, 1.5] },
-      { rooms: ['bathroom', 'corridor'], middle: [4, 1.5] },
-      { rooms: ['bedroom', 'corridor'], middle: [5.5, 1.5] },
+      { rooms: ['corridor', 'kitchen'], middle: [1.5, 1.5], door: true },
+      { rooms: ['bathroom', 'corridor'], middle: [4, 1.5], door: true },
+      { rooms: ['bedroom', 'corridor'], middle: [5.5, 1.5], door: true },
     ],
     things: kThings.map((thing) => ({ ...thing })),
     recordings: [{
@@ -41,9 +41,9 @@ export function makePlan(): Plan {
       name, polygons: [[[[x, y], [x + width, y], [x + width, y + depth], [x, y + depth]] as Point[]]],
     })),
     doors: [
-      { rooms: ['corridor', 'kitchen'], middle: [1.5, 1.5], width_m: 0.8 },
-      { rooms: ['bathroom', 'corridor'], middle: [4, 1.5], width_m: 0.8 },
-      { rooms: ['bedroom', 'corridor'], middle: [5.5, 1.5], width_m: 0.9 },
+      { rooms: ['corridor', 'kitchen'], middle: [1.5, 1.5], width_m: 0.8, door: true },
+      { rooms: ['bathroom', 'corridor'], middle: [4, 1.5], width_m: 0.8, door: true },
+      { rooms: ['bedroom', 'corridor'], middle: [5.5, 1.5], width_m: 0.9, door: true },
     ],
   };
 }

@@ -355,12 +355,20 @@ std::vector<Prompt> describe_prompts(const std::string& room, const HomeMap& map
     return answer.take();
   }
   const Eigen::Vector2d& middle = extent->middle_gravity;
-  const double door_rad = angle_rad(middle, doors.front()->middle_gravity);
+  // A door is found by hand; of rooms that are open to each other the way there is told.
+  const auto door = std::ranges::find_if(doors, &rooms::Doorway::is_door);
+  const rooms::Doorway& first = door != doors.end() ? **door : *doors.front();
+  const double door_rad = angle_rad(middle, first.middle_gravity);
   std::erase_if(there, [](const KnownThing* one) { return !one->position_gravity; });
   std::ranges::stable_sort(there, {}, [&](const KnownThing* one) {
     return clockwise_rad(door_rad, angle_rad(middle, one->position_gravity->head<2>()));
   });
-  answer.say_things("describe.clockwise", {}, there);
+  const std::string& beyond = first.rooms[0] == room ? first.rooms[1] : first.rooms[0];
+  if (first.is_door()) {
+    answer.say_things("describe.clockwise", {}, there);
+  } else {
+    answer.say_things("describe.clockwise_way", {{"room", guide::room(beyond)}}, there);
+  }
   return answer.take();
 }
 

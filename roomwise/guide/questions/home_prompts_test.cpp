@@ -213,6 +213,21 @@ TEST_F(HomePromptsTest, ARoomIsItsFloorWhereItLeadsAndItsThingsClockwiseFromTheD
       ElementsAre("I do not know how large the attic is.", "I know of nothing in the attic."));
 }
 
+TEST_F(HomePromptsTest, WhereRoomsAreOpenToEachOtherNoDoorIsTold) {
+  things_ = {standing("bed", {2, 3, 0.3}, {2, 1.6, 0.6})};
+  std::vector<rooms::Doorway> open = layout_.doorways();
+  for (rooms::Doorway& doorway : open) doorway.is_framed = false;
+  const HomeMap map{&grid_, &layout_, open, things_};
+  for (const auto& [code, words] :
+       std::map<std::string, std::string>{{"en", "Clockwise from the kitchen: bed."},
+                                          {"de", "Vom Weg zur Küche im Uhrzeigersinn: Bett."}}) {
+    const Wording wording(&catalogue_, {code, DistanceUnit::kSteps, 1.0});
+    const auto told = said(describe_prompts("bedroom", map, nowhere_, wording, today_));
+    ASSERT_EQ(told.size(), 3U);
+    EXPECT_EQ(told[2], words);
+  }
+}
+
 TEST_F(HomePromptsTest, WhereARoomIsIsToldByRoomsAndDirection) {
   const auto told = [&](const UserLocation& location) {
     return said(room_way_prompts("kitchen", map(), location, english_, today_));

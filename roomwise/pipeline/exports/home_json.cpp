@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "roomwise/guide/legs.h"
 #include "roomwise/pipeline/rooms/room_outline.h"
 
 namespace roomwise::pipeline {
@@ -75,7 +74,7 @@ Json doors_json(const HomeContents& contents, bool are_openings) {
   Json doors = Json::array();
   if (!contents.layout) return doors;
   for (const rooms::Doorway& door : contents.layout->doorways()) {
-    if (door.is_stairs || guide::is_door(door) == are_openings) continue;
+    if (door.is_stairs || door.is_door() == are_openings) continue;
     doors.push_back({{"rooms", door.rooms},
                      {"middle_m", floor_json(door.middle_gravity, contents)},
                      {"width_m", door.width_m > 0 ? Json(door.width_m) : Json(nullptr)},

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <map>
 
-#include "roomwise/guide/legs.h"
 #include "roomwise/pipeline/exports/xml_writer.h"
 #include "roomwise/pipeline/rooms/room_outline.h"
 
@@ -176,8 +175,8 @@ class PlanContents {
       if (door.is_stairs || from == by_name_.end() || to == by_name_.end()) continue;
       const Vector3d middle = contents_.place_gravity(door.middle_gravity);
       // Where two rooms are open to each other there is none for a plan's reader to look for.
-      const std::string kind = guide::is_door(door) ? "door" : "opening";
-      std::size_t& of_kind = guide::is_door(door) ? doors_only : openings;
+      const std::string kind = door.is_door() ? "door" : "opening";
+      std::size_t& of_kind = door.is_door() ? doors_only : openings;
       doors.push_back(
           {fmt::format("{}-{}", kind, ++of_kind),
            kind,

@@ -9,8 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "roomwise/guide/legs.h"
-
 namespace roomwise::pipeline {
 namespace {
 
@@ -166,7 +164,7 @@ class SceneGraphWriter {
   // What a way between rooms is, as the edge calls its place.
   static const char* way_of(const rooms::Doorway& door) {
     if (door.is_stairs) return "stairs_m";
-    return guide::is_door(door) ? "door_m" : "opening_m";  // where rooms are open to each other
+    return door.is_door() ? "door_m" : "opening_m";  // where rooms are open to each other
   }
 
   // Two rooms are joined once, by their widest door.

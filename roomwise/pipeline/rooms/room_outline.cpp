@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
+
+#include "roomwise/geometry/drawing_direction.h"
 
 namespace roomwise::pipeline {
 
@@ -48,6 +51,19 @@ geometry::CellSet room_cells(const fusion::FloorGrid& grid, const rooms::RoomLay
     for (const Eigen::Vector2i& step : steps) leave_out(cell + step);
   }
   return cells;
+}
+
+double drawing_direction_rad(const fusion::FloorGrid& grid, const fusion::Storeys& storeys) {
+  if (storeys.are_several()) return 0;
+  std::vector<Eigen::Vector2d> standing;
+  for (int row = 0; row < grid.rows(); ++row) {
+    for (int column = 0; column < grid.columns(); ++column) {
+      if (grid.at(column, row) != fusion::FloorCell::kOccupied) continue;
+      standing.push_back(grid.cell_middle_m(column, row));
+    }
+  }
+  // The first camera stood over the origin.
+  return geometry::drawing_direction_rad(standing, Eigen::Vector2d::Zero(), grid.cell_m());
 }
 
 }  // namespace roomwise::pipeline

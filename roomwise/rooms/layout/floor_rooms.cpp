@@ -147,8 +147,6 @@ std::vector<double> free_widths(const FreeFloor& floor) {
 void spread_over_floor(const FloorGrid& grid, const FreeFloor& floor, const NamedWalks& walks,
                        double unsure_path_m, double farthest_seed_m, RoomCells& room_of) {
   constexpr double kLean = 0.35;  // m of width for a metre from the crossing
-  // What is wider is no door: there rooms meet halfway between the places that name them.
-  constexpr double kWidestDoor_m = 1.2;
   const std::vector<double> widths = free_widths(floor);
   const auto width = [&](Cell cell) {
     double from_crossing_m = unsure_path_m;

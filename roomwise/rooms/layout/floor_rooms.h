@@ -13,7 +13,10 @@ namespace roomwise::rooms {
 
 constexpr std::int16_t kNoRoom = -1;
 constexpr std::int16_t kNamelessRoom = -2;  // of a room that somebody walked in and nobody named
-constexpr double kMaxCells = 1e6;           // along a side: what is farther is a fault
+// A door for a wheelchair is 0.9 m wide. What is wider is no door: there rooms meet halfway between
+// the places that name them.
+constexpr double kWidestDoor_m = 1.2;
+constexpr double kMaxCells = 1e6;  // along a side: what is farther is a fault
 
 // By cell of the grid: not 0 where floor is free, as the map shows it or because somebody walked
 // there.

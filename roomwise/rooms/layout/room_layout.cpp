@@ -53,21 +53,123 @@ std::vector<std::vector<Vector2d>> connected_components(const std::vector<Vector
   return result;
 }
 
+// Whether something stands near one end of a border, not on the border's own side of it.
+bool is_framed_at(const FloorGrid& grid, const Vector2d& end, const Vector2d& outwards) {
+  // Who walks through leaves so much room, in which a cell may not have been seen.
+  constexpr double kReach_m = 0.25;
+  const Eigen::Array2d at = (end - grid.origin_m()) / grid.cell_m();
+  const double reach = kReach_m / grid.cell_m();
+  const Eigen::Array2i first = (at - reach).floor().cast<int>().max(0);
+  const Eigen::Array2i last =
+      (at + reach).floor().cast<int>().min(Eigen::Array2i(grid.columns() - 1, grid.rows() - 1));
+  for (int row = first.y(); row <= last.y(); ++row) {
+    for (int column = first.x(); column <= last.x(); ++column) {
+      if (grid.at(column, row) != fusion::FloorCell::kOccupied) continue;
+      const Vector2d from_end = grid.cell_middle_m(column, row) - end;
+      if (from_end.norm() <= kReach_m && from_end.dot(outwards) >= 0) return true;
+    }
+  }
+  return false;
+}
+
 // The two of them that lie farthest apart stand at the doorway's sides.
-Doorway doorway_across(const std::vector<Vector2d>& border, double cell_m) {
+Doorway doorway_across(const FloorGrid& grid, const std::vector<Vector2d>& border) {
+  const double cell_m = grid.cell_m();
   Doorway doorway;
   doorway.middle_gravity = border.front();
   double widest = 0;
+  Vector2d from = border.front(), to = border.front();
   for (std::size_t a = 0; a < border.size(); ++a) {
     for (std::size_t b = a + 1; b < border.size(); ++b) {
       const double apart = (border[a] - border[b]).norm();
       if (apart <= widest) continue;
       widest = apart;
-      doorway.middle_gravity = (border[a] + border[b]) / 2;
+      from = border[a];
+      to = border[b];
     }
   }
+  doorway.middle_gravity = (from + to) / 2;
   doorway.width_m = widest + cell_m;
+  doorway.is_framed = is_framed_at(grid, from, from - to) && is_framed_at(grid, to, to - from);
   return doorway;
+}
+
+// The nearest so near, of those that `counts` holds for; null where there is none.
+Doorway* nearest_doorway(std::vector<Doorway>& doorways, const Vector2d& place, double reach_m,
+                         const auto& counts) {
+  Doorway* nearest = nullptr;
+  for (Doorway& doorway : doorways) {
+    const double distance_m = (doorway.middle_gravity - place).norm();
+    if (distance_m > reach_m || !counts(doorway)) continue;
+    nearest = &doorway;
+    reach_m = distance_m;
+  }
+  return nearest;
+}
+
+// Of two rooms that are open to each other around a table there is one border, the widest part of
+// it. Of `doorways`, which are ordered, the widest of one pair first.
+void join_open_borders(std::vector<Doorway>& doorways) {
+  std::vector<Doorway> joined;
+  for (const Doorway& one : doorways) {
+    const auto is_same = [&](const Doorway& other) {
+      return !one.is_door() && !other.is_door() && other.rooms == one.rooms &&
+             (other.middle_gravity - one.middle_gravity).norm() -
+                     (other.width_m + one.width_m) / 2 <
+                 kWidestDoor_m;
+    };
+    const auto other = std::ranges::find_if(joined, is_same);
+    if (other == joined.end()) {
+      joined.push_back(one);
+    } else {
+      other->is_walked = other->is_walked || one.is_walked;
+    }
+  }
+  doorways = std::move(joined);
+}
+
+void order_doorways(std::vector<Doorway>& doorways) {
+  std::ranges::stable_sort(doorways, [](const Doorway& a, const Doorway& b) {
+    return a.rooms != b.rooms ? a.rooms < b.rooms : a.width_m > b.width_m;
+  });
+}
+
+// Marks where walks lead through, and adds where one went over what the map shows no border of.
+void add_crossings(const NamedWalks& walks, double unsure_path_m, std::vector<Doorway>& doorways) {
+  std::vector<Crossing> unseen;
+  for (const Crossing& crossing : walks.crossings) {
+    const auto [a, b] = std::minmax(crossing.from, crossing.to);
+    const std::array rooms{walks.names[static_cast<std::size_t>(a)],
+                           walks.names[static_cast<std::size_t>(b)]};
+    Doorway* const crossed =
+        nearest_doorway(doorways, crossing.place, 2 * unsure_path_m,
+                        [&](const Doorway& doorway) { return doorway.rooms == rooms; });
+    if (crossed != nullptr) {
+      crossed->is_walked = true;
+    } else {
+      unseen.push_back(crossing);
+    }
+  }
+  // A name came early or late, so that the map shows another room's border at the place: it is that
+  // one, where the two rooms are known to hang together elsewhere.
+  for (const Crossing& crossing : unseen) {
+    const auto [a, b] = std::minmax(crossing.from, crossing.to);
+    const std::array rooms{walks.names[static_cast<std::size_t>(a)],
+                           walks.names[static_cast<std::size_t>(b)]};
+    const bool are_joined = std::ranges::find(doorways, rooms, &Doorway::rooms) != doorways.end();
+    const auto is_at_place = [&](const Doorway& doorway) {
+      if (doorway.rooms == rooms) return true;
+      const bool is_near = (doorway.middle_gravity - crossing.place).norm() <= unsure_path_m;
+      return are_joined && is_near && (doorway.joins(rooms[0]) || doorway.joins(rooms[1]));
+    };
+    Doorway* const there =
+        nearest_doorway(doorways, crossing.place, 2 * unsure_path_m, is_at_place);
+    if (there != nullptr) {
+      there->is_walked = true;
+    } else {
+      doorways.push_back({.rooms = rooms, .middle_gravity = crossing.place, .is_walked = true});
+    }
+  }
 }
 
 std::vector<Doorway> find_doorways(const FloorGrid& grid, const FreeFloor& floor,
@@ -76,34 +178,16 @@ std::vector<Doorway> find_doorways(const FloorGrid& grid, const FreeFloor& floor
   std::vector<Doorway> doorways;
   for (const auto& [pair, border] : borders(grid, floor, room_of)) {
     for (const auto& component : connected_components(border, grid.cell_m())) {
-      Doorway doorway = doorway_across(component, grid.cell_m());
+      Doorway doorway = doorway_across(grid, component);
       if (doorway.width_m < options.min_doorway_m) continue;
       doorway.rooms = {walks.names[static_cast<std::size_t>(pair.first)],
                        walks.names[static_cast<std::size_t>(pair.second)]};
       doorways.push_back(doorway);
     }
   }
-  for (const Crossing& crossing : walks.crossings) {
-    const auto [a, b] = std::minmax(crossing.from, crossing.to);
-    const std::array rooms{walks.names[static_cast<std::size_t>(a)],
-                           walks.names[static_cast<std::size_t>(b)]};
-    Doorway* nearest = nullptr;
-    double nearest_m = 2 * options.unsure_path_m;
-    for (Doorway& doorway : doorways) {
-      const double distance_m = (doorway.middle_gravity - crossing.place).norm();
-      if (doorway.rooms != rooms || distance_m > nearest_m) continue;
-      nearest = &doorway;
-      nearest_m = distance_m;
-    }
-    if (nearest != nullptr) {
-      nearest->is_walked = true;
-    } else {
-      doorways.push_back({rooms, crossing.place, 0, true});
-    }
-  }
-  std::ranges::stable_sort(doorways, [](const Doorway& a, const Doorway& b) {
-    return a.rooms != b.rooms ? a.rooms < b.rooms : a.width_m > b.width_m;
-  });
+  add_crossings(walks, options.unsure_path_m, doorways);
+  order_doorways(doorways);
+  join_open_borders(doorways);
   return doorways;
 }
 
@@ -182,18 +266,32 @@ Expected<RoomLayout> RoomLayout::make(const FloorGrid& grid, std::span<const Wal
   layout.rooms_ = find_extents(grid, floor, layout.room_of_cell_, read);
   if (!layout.has_floor()) return layout;
   layout.doorways_ = find_doorways(grid, floor, layout.room_of_cell_, read, options);
-  layout.add_doors(edits);
+  layout.add_doors(edits, options.unsure_path_m);
   return layout;
 }
 
-void RoomLayout::add_doors(std::span<const LayoutEdit> edits) {
+void RoomLayout::add_doors(std::span<const LayoutEdit> edits, double unsure_path_m) {
   const auto is_room = [&](const std::string& name) {
     return std::ranges::find(rooms_, name, &RoomExtent::name) != rooms_.end();
   };
   for (const LayoutEdit& edit : edits) {
     const auto* const door = std::get_if<AddedDoor>(&edit);
     if (door == nullptr || !std::ranges::all_of(door->rooms, is_room)) continue;
-    doorways_.push_back({door->rooms, door->middle_gravity, 0, true});
+    // What the map shows at the place is the same door.
+    Doorway said{.rooms = door->rooms,
+                 .middle_gravity = door->middle_gravity,
+                 .is_walked = true,
+                 .is_framed = true};
+    Doorway* const there =
+        nearest_doorway(doorways_, said.middle_gravity, unsure_path_m, [&](const Doorway& one) {
+          return std::ranges::is_permutation(one.rooms, said.rooms) && !one.is_stairs;
+        });
+    if (there == nullptr) {
+      doorways_.push_back(said);
+      continue;
+    }
+    if (there->is_door()) said.width_m = there->width_m;
+    *there = said;
   }
   std::ranges::stable_sort(doorways_, {}, &Doorway::rooms);
 }
@@ -201,8 +299,9 @@ void RoomLayout::add_doors(std::span<const LayoutEdit> edits) {
 void RoomLayout::add_stairs(const Vector2d& below_plan, const Vector2d& above_plan) {
   const auto below = room_at(below_plan), above = room_at(above_plan);
   if (!below || !above || below == above) return;
-  doorways_.push_back(
-      {{std::min(*below, *above), std::max(*below, *above)}, below_plan, 0, false, true});
+  doorways_.push_back({.rooms = {std::min(*below, *above), std::max(*below, *above)},
+                       .middle_gravity = below_plan,
+                       .is_stairs = true});
   std::ranges::stable_sort(doorways_, {}, &Doorway::rooms);
 }
 

@@ -27,7 +27,8 @@ struct RoomLayoutOptions {
   [[nodiscard]] Expected<void> validate() const;
 };
 
-// Where one comes from a room into another.
+// Where one comes from a room into another: by a door, or over the border of two rooms that are
+// open to each other.
 struct Doorway {
   std::array<std::string, 2> rooms;                          // by name
   Eigen::Vector2d middle_gravity = Eigen::Vector2d::Zero();  // m
@@ -35,7 +36,12 @@ struct Doorway {
   double width_m = 0;
   bool is_walked = false;  // the walk led through it, or somebody does who says so
   bool is_stairs = false;  // they lead to the other room, on another storey; the middle is below
+  // Something stands where the free floor ends on both sides, or somebody says that it is a door.
+  // Else the width is at least what was seen.
+  bool is_framed = false;
 
+  // What a hand can find: a door's frame, an opening in a wall. Else it is an open border.
+  [[nodiscard]] bool is_door() const { return !is_stairs && is_framed && width_m <= kWidestDoor_m; }
   [[nodiscard]] bool joins(const std::string& room) const {
     return rooms[0] == room || rooms[1] == room;
   }
@@ -73,7 +79,9 @@ class RoomLayout {
   [[nodiscard]] const std::vector<RoomExtent>& rooms() const { return rooms_; }  // by name
   // Whether any walked place with a name lies on free floor; else nothing lies in a room.
   [[nodiscard]] bool has_floor() const;
-  // By the rooms' names; of one pair the widest first.
+  // By the rooms' names; of one pair the widest first. One place has one doorway, and two rooms
+  // that are open to each other around something that stands between them have one open border
+  // there.
   [[nodiscard]] const std::vector<Doorway>& doorways() const { return doorways_; }
   // The room that the point lies in; absent outside, far from all floor, and in a room without a
   // name.
@@ -97,7 +105,7 @@ class RoomLayout {
 
  private:
   RoomLayout() = default;
-  void add_doors(std::span<const LayoutEdit> edits);
+  void add_doors(std::span<const LayoutEdit> edits, double unsure_path_m);
   // As room_of_cell_ has it.
   [[nodiscard]] std::int16_t room_around(const Eigen::Vector2d& point_gravity) const;
 

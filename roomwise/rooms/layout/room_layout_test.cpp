@@ -94,6 +94,7 @@ TEST(RoomLayoutTest, RoomsMeetAtTheDoorAlthoughTheyWereNamedEarlyOrLate) {
     EXPECT_NEAR(door.middle_gravity.y(), 0.6, 0.11);
     EXPECT_NEAR(door.width_m, 0.8, 0.15);
     EXPECT_TRUE(door.is_walked);
+    EXPECT_TRUE(door.is_door());
     EXPECT_THAT(layout->neighbors("kitchen"), ElementsAre("bedroom"));
   }
 }
@@ -186,6 +187,7 @@ TEST(RoomLayoutTest, WhereSomebodyWalkedIsFloorAlthoughItWasNotSeen) {
   EXPECT_NEAR(layout->doorways().front().width_m, 0.5, 0.11) << "as wide as who walked";
   EXPECT_NEAR(layout->doorways().front().middle_gravity.y(), 0.6, 0.11);
   EXPECT_TRUE(layout->doorways().front().is_walked);
+  EXPECT_FALSE(layout->doorways().front().is_door()) << "no frame was seen beside it";
 }
 
 TEST(RoomLayoutTest, NobodyWalksThroughThings) {
@@ -196,6 +198,7 @@ TEST(RoomLayoutTest, NobodyWalksThroughThings) {
   ASSERT_OK(layout);
   ASSERT_EQ(layout->doorways().size(), 1U);
   EXPECT_EQ(layout->doorways().front().width_m, 0) << "the camera was held over something";
+  EXPECT_FALSE(layout->doorways().front().is_door());
 }
 
 TEST(RoomLayoutTest, ADoorThatWasPassedWhileLostIsKnownFromTheNames) {
@@ -313,6 +316,76 @@ TEST(RoomLayoutTest, RoomsThatAreOpenToEachOtherMeetHalfwayAndTheWiderTakesNotAl
   ASSERT_OK(layout);
   EXPECT_THAT(layout->room_at({7, 2.5}), Optional(std::string("lounge")));
   EXPECT_THAT(layout->room_at({2, 3.5}), Optional(std::string("dining room")));
+}
+
+TEST(RoomLayoutTest, TheBorderOfRoomsThatAreOpenToEachOtherIsNoDoor) {
+  WalkedPath path;
+  walk_to(path, {1, 2}, "dining room");
+  walk_to(path, {4, 2}, "dining room");
+  walk_to(path, {7, 2}, "lounge");
+  const auto layout =
+      RoomLayout::make(grid_of(plan_of_an_open_floor()), std::vector<WalkedPath>{path});
+  ASSERT_OK(layout);
+  ASSERT_EQ(layout->doorways().size(), 1U);
+  EXPECT_FALSE(layout->doorways()[0].is_door());
+  EXPECT_GT(layout->doorways()[0].width_m, 3);
+}
+
+TEST(RoomLayoutTest, ADoorThatSomebodyAddsIsTheDoorAtAPlaceThatShowsNone) {
+  const std::vector<WalkedPath> walks{walk_through(0)};
+  const std::vector<LayoutEdit> edits{
+      AddedDoor{.rooms = {"kitchen", "bedroom"}, .middle_gravity = {3.1, 0.5}}};
+  const auto layout = RoomLayout::make(grid_of(unseen_door()), walks, {}, edits);
+  ASSERT_OK(layout);
+  ASSERT_EQ(layout->doorways().size(), 1U) << "one place has one doorway";
+  EXPECT_TRUE(layout->doorways()[0].is_door());
+  EXPECT_NEAR(layout->doorways()[0].middle_gravity.y(), 0.5, 1e-9);
+}
+
+TEST(RoomLayoutTest, RoomsThatAreOpenAroundATableHaveOneBorder) {
+  std::vector<std::string> rows = plan_of_an_open_floor();
+  for (std::size_t row = 14; row < 22; ++row) rows[row].replace(33, 20, std::string(20, '#'));
+  WalkedPath path;
+  walk_to(path, {1, 1}, "dining room");
+  walk_to(path, {4.2, 1}, "dining room");
+  walk_to(path, {7, 1}, "lounge");
+  walk_to(path, {7, 3}, "lounge");
+  walk_to(path, {4.2, 3}, "lounge");
+  walk_to(path, {1, 3}, "dining room");
+  const auto layout = RoomLayout::make(grid_of(rows), std::vector<WalkedPath>{path});
+  ASSERT_OK(layout);
+  ASSERT_EQ(layout->doorways().size(), 1U);
+  EXPECT_FALSE(layout->doorways()[0].is_door());
+  EXPECT_TRUE(layout->doorways()[0].is_walked);
+}
+
+// A bedroom has a door to a kitchen and, 2.4 m from it, one to a lounge. On a later walk the
+// kitchen was called the lounge for the first step.
+TEST(RoomLayoutTest, OnePlaceHasOneDoorwayAlthoughANameCameLate) {
+  std::vector<std::string> rows(40, fmt::format("{:.<30}##{:.<30}", "", ""));
+  for (std::size_t row = 2; row < 10; ++row) rows[row].replace(30, 2, "..");
+  for (std::size_t row = 26; row < 34; ++row) rows[row].replace(30, 2, "..");
+  rows[18].replace(30, 32, std::string(32, '#'));
+  const auto through = [](double y, const std::string& first, const std::string& then) {
+    WalkedPath path;
+    walk_to(path, {0.5, y}, "bedroom");
+    walk_to(path, {3.1, y}, "bedroom");
+    walk_to(path, {3.7, y}, first);
+    walk_to(path, {5.5, y}, then);
+    return path;
+  };
+  const std::vector<WalkedPath> walks{through(0.6, "kitchen", "kitchen"),
+                                      through(3, "lounge", "lounge"),
+                                      through(0.6, "lounge", "kitchen")};
+  const auto layout = RoomLayout::make(grid_of(rows), walks);
+  ASSERT_OK(layout);
+  std::vector<std::string> ways;
+  for (const Doorway& doorway : layout->doorways()) {
+    if (doorway.is_door()) ways.push_back(doorway.rooms[0] + " - " + doorway.rooms[1]);
+    const bool is_at_door = (doorway.middle_gravity - Vector2d(3.1, 0.6)).norm() < 0.5;
+    EXPECT_TRUE(!is_at_door || doorway.is_door()) << doorway.rooms[0] << doorway.rooms[1];
+  }
+  EXPECT_THAT(ways, ElementsAre("bedroom - kitchen", "bedroom - lounge"));
 }
 
 TEST(RoomLayoutTest, ARoomNeverOnFreeFloorHasNoFloorAndIsNotForgotten) {

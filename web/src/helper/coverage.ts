@@ -1,7 +1,7 @@
 // What the walks have not shown yet, as sentences and as marks on the plan. Pure.
 import type { Coverage, FloorGap, Home, Missing, Plan, Point } from '../shared/protocol';
 import { counted, formatNumber, formatTime, text } from '../shared/texts';
-import { labelPlace } from './plan/plan_geometry';
+import { drawn, drawnPolygons, labelPlace, planned } from './plan/plan_geometry';
 
 export interface Sentence {
   mark: string; // of its place on the plan; empty: it has none of its own
@@ -52,8 +52,8 @@ export function tellCoverage(coverage: Coverage, home: Home, plan: Plan): Covera
   const names = [...new Set(coverage.missing.flatMap(({ room }) => (room === null ? [] : [room])))];
   names.sort((a, b) => a.localeCompare(b));
   names.forEach((name, i) => {
-    const place = labelPlace(plan.rooms.find((one) => one.name === name)?.polygons ?? []);
-    add(name, coverage.missing.filter(({ room }) => room === name), place?.at ?? null, String(i + 1));
+    const place = labelPlace(drawnPolygons(plan.rooms.find((one) => one.name === name)?.polygons ?? [], plan));
+    add(name, coverage.missing.filter(({ room }) => room === name), place ? planned(place.at, plan) : null, String(i + 1));
   });
   return told;
 }
@@ -116,16 +116,17 @@ export function placeWords({ beside, place }: Pick<FloorGap, 'beside' | 'place'>
     return text('coverage.beside', { thing: beside });
   }
   const far = ([x, y]: Point): number => Math.hypot(x - place[0], y - place[1]);
-  const [door] = plan.doors.filter(({ rooms, middle }) => rooms.some((one) => one === room) && far(middle) <= kBesideDoor_m)
+  const [door] = plan.doors.filter(({ door, rooms, middle }) => door && rooms.some((one) => one === room) && far(middle) <= kBesideDoor_m)
     .sort((a, b) => far(a.middle) - far(b.middle));
   if (door) {
     return text('coverage.at_door', { room: door.rooms.find((one) => one !== room) ?? '' });
   }
-  const corners = plan.rooms.find(({ name }) => name === room)?.polygons.flat(2) ?? [];
+  const corners = (plan.rooms.find(({ name }) => name === room)?.polygons.flat(2) ?? []).map((corner) => drawn(corner, plan));
+  const shown = drawn(place, plan);
   const third = (axis: 0 | 1): 0 | 1 | 2 => {
     const all = corners.map((corner) => corner[axis]);
     const [low, high] = [Math.min(...all), Math.max(...all)];
-    return corners.length === 0 ? 1 : Math.max(0, Math.min(2, Math.floor((3 * (place[axis] - low)) / (high - low)))) as 0 | 1 | 2;
+    return corners.length === 0 ? 1 : Math.max(0, Math.min(2, Math.floor((3 * (shown[axis] - low)) / (high - low)))) as 0 | 1 | 2;
   };
   return text(`coverage.${kSides[third(1)][third(0)]}`);
 }

@@ -77,8 +77,8 @@ function sentenceView({ mark, say, todo }: Sentence): HTMLElement {
 
 const [kRadius_px, kLetter_px] = [12, 14];
 
-function markOf({ pixel_m }: PlanDrawing, { mark, at: [x, y], isRoom }: CoverageMark): SVGElement {
+function markOf({ pixel_m, upright }: PlanDrawing, { mark, at: [x, y], isRoom }: CoverageMark): SVGElement {
   const radius = kRadius_px * pixel_m;
-  return svg('g', { class: 'gap', transform: `translate(${x} ${(isRoom ? 2 * radius : 0) - y})` },
+  return svg('g', { class: 'gap', transform: `translate(${x} ${-y}) ${upright} translate(0 ${isRoom ? 2 * radius : 0})` },
     svg('circle', { r: radius }), svg('text', { 'font-size': kLetter_px * pixel_m }, mark));
 }

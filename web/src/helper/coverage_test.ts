@@ -33,6 +33,9 @@ test('a room that is not on the plan has no number there', () => {
 test('a place is told by the door that is near', () => {
   assert.equal(placeWords({ beside: null, place: [1.5, 2] }, 'kitchen', makePlan()), 'by the door to corridor');
   assert.equal(placeWords({ beside: null, place: [0.2, 3.1] }, 'kitchen', makePlan()), 'at its left side on the plan');
+  const open = makePlan();
+  open.doors.forEach((one) => (one.door = false));
+  assert.equal(placeWords({ beside: null, place: [1.5, 2] }, 'kitchen', open), 'at its lower side on the plan', 'nobody finds an open border');
 });
 
 test('only hours that are light, or dark, all over the year tell the light', () => {

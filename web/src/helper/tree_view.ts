@@ -22,7 +22,8 @@ export function outlineView(helper: Helper, home: Home, outline: Outline): Child
       ? h('section', {}, h('h3', {}, text('home.elsewhere')), thingList(helper, elsewhere)) : null,
     doorways.length > 0
       ? h('section', {}, h('h3', {}, text('home.doorways')), h('ul', { class: 'plain' },
-        ...doorways.map((doorway) => h('li', {}, doorway.rooms.join(' – '))))) : null,
+        ...doorways.map(({ rooms: between, door }) => h('li', {},
+          door ? between.join(' – ') : text('home.open', { a: between[0] ?? '', b: between[1] ?? '' }))))) : null,
     recordings.length > 0
       ? h('section', {}, h('h3', {}, text('home.walks')), h('ul', { class: 'plain' },
         ...recordings.map((one) => h('li', {},

@@ -35,7 +35,7 @@ export function wayWords(way: readonly Point[], plan: Plan): string {
   return rooms === '' ? text('trial.way_unnamed', { metres }) : text('trial.way', { metres, rooms });
 }
 
-// From the first point to the second, counter-clockwise from the right; of one point: up.
-export function headingOf([at, towards]: readonly Point[]): number {
-  return at && towards ? (Math.atan2(towards[1] - at[1], towards[0] - at[0]) * 180) / Math.PI : 90;
+// From the first point to the second, counter-clockwise from x; of one point: up on the drawing.
+export function headingOf([at, towards]: readonly Point[], { right_degrees = 0 }: Plan): number {
+  return at && towards ? (Math.atan2(towards[1] - at[1], towards[0] - at[0]) * 180) / Math.PI : 90 + right_degrees;
 }

@@ -46,7 +46,7 @@ export function trialCard(helper: Helper): HTMLElement {
       return;
     }
     const points = picker?.points() ?? [];
-    const place = points[0] ? { place: points[0], heading_degrees: headingOf(points) } : {};
+    const place = points[0] ? { place: points[0], heading_degrees: headingOf(points, store.state.plan) } : {};
     const answer = await request<Trial>('POST', '/api/ask', { text: question.value(), language: language(), ...place });
     replaceChildren(result,
       h('h4', {}, text('trial.said')),
@@ -71,7 +71,7 @@ export function trialCard(helper: Helper): HTMLElement {
       svg('circle', { cx: x, cy: -y, r: 7 * drawing.pixel_m }));
     if (goal) {
       const d = 9 * drawing.pixel_m;
-      drawing.overlay.append(svg('path', { class: 'goal', transform: `translate(${goal[0]} ${-goal[1]})`, d: `M0 ${-d}L${d} ${d}H${-d}Z` }));
+      drawing.overlay.append(svg('path', { class: 'goal', transform: `translate(${goal[0]} ${-goal[1]}) ${drawing.upright}`, d: `M0 ${-d}L${d} ${d}H${-d}Z` }));
     }
     return [h('div', { class: 'plan-stage looked-at' }, drawing.element), h('p', {}, words)];
   }

@@ -15,7 +15,8 @@ test('a way is told by its length and the rooms through which it leads', () => {
 });
 
 test('who sets one point looks up, who sets two looks from the first to the second', () => {
-  assert.equal(headingOf([[1, 1]]), 90);
-  assert.equal(headingOf([[1, 1], [2, 1]]), 0);
-  assert.equal(headingOf([[1, 1], [1, 0]]), -90);
+  assert.equal(headingOf([[1, 1]], makePlan()), 90);
+  assert.equal(headingOf([[1, 1]], { ...makePlan(), right_degrees: 30 }), 120, 'up on a drawing that is turned');
+  assert.equal(headingOf([[1, 1], [2, 1]], makePlan()), 0);
+  assert.equal(headingOf([[1, 1], [1, 0]], makePlan()), -90);
 });

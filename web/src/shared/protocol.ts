@@ -186,6 +186,7 @@ export interface Room {
 export interface Doorway {
   rooms: string[];
   middle: [number, number] | null;
+  door: boolean; // else the rooms are open to each other
 }
 
 export interface Thing {
@@ -224,8 +225,9 @@ export type Point = [number, number];
 
 // The home from above, in metres; y goes up.
 export interface Plan {
+  right_degrees?: number; // the direction, counter-clockwise from x, that a drawing has to the right; else x
   rooms: { name: string; polygons: Point[][][] }[]; // each an outer ring and holes
-  doors: { rooms: [string, string]; middle: Point; width_m: number }[];
+  doors: { rooms: [string, string]; middle: Point; width_m: number; door: boolean }[]; // where `door` is false, open borders
 }
 
 export interface RoomRange {

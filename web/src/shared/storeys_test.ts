@@ -12,7 +12,7 @@ const thing = (name: string, x: number) => ({ name, position: [x, 1, 0.5] }) as 
 const home = { storeys, things: [thing('sofa', 2), thing('bed', 14), { ...thing('lamp', 0), position: null }] } as unknown as Home;
 const plan: Plan = {
   rooms: [{ name: 'hall', polygons: [[[[0, 0], [1, 0], [1, 1]]]] }, { name: 'landing', polygons: [[[[12, 0], [13, 0], [13, 1]]]] }],
-  doors: [{ rooms: ['hall', 'hall'], middle: [1, 0], width_m: 1 }, { rooms: ['landing', 'landing'], middle: [13, 0], width_m: 1 }],
+  doors: [{ rooms: ['hall', 'hall'], middle: [1, 0], width_m: 1, door: true }, { rooms: ['landing', 'landing'], middle: [13, 0], width_m: 1, door: true }],
 };
 
 test('a place of the plan is on the storey that is drawn there', () => {

@@ -1,4 +1,4 @@
-// What is drawn beside the cloud: things as boxes, doorways, the walk with its key-frames, devices.
+// What is drawn beside the cloud: things as boxes, doors, the walk with its key-frames, devices.
 import {
   BoxGeometry, BufferGeometry, ConeGeometry, DoubleSide, EdgesGeometry, InstancedMesh, Line, LineBasicMaterial, LineSegments, Matrix4,
   Mesh, MeshBasicMaterial, Quaternion, Raycaster, RingGeometry, Vector2, Vector3, type Camera, type Group, type Object3D,
@@ -25,7 +25,7 @@ export function schemeColours(): Colours {
 export function homeMarks(home: Home, { accent, ink }: Colours): Object3D[] {
   return [
     ...home.things.flatMap((thing) => thingBox(thing, ink, home.storeys ?? [])),
-    ...home.doorways.flatMap((doorway) => doorwayMark(doorway, accent, home.storeys ?? [])),
+    ...home.doorways.flatMap((doorway) => doorMark(doorway, accent, home.storeys ?? [])),
   ];
 }
 
@@ -40,8 +40,8 @@ function thingBox({ position, size }: Thing, colour: string, storeys: readonly S
   return [edges];
 }
 
-function doorwayMark({ middle }: Doorway, colour: string, storeys: readonly Storey[]): Object3D[] {
-  if (!middle) {
+function doorMark({ door, middle }: Doorway, colour: string, storeys: readonly Storey[]): Object3D[] {
+  if (!middle || !door) {
     return [];
   }
   const ring = new Mesh(new RingGeometry(0.22, 0.3, 32), new MeshBasicMaterial({ color: colour, side: DoubleSide }));

@@ -2,7 +2,7 @@
 import type { Home, Plan, Point } from '../../shared/protocol';
 import { svg } from '../../shared/svg';
 import { text } from '../../shared/texts';
-import { labelPlace, pathOf, spanOf, type Span } from './plan_geometry';
+import { drawn, drawnPolygons, labelPlace, pathOf, planned, spanOf, type Span } from './plan_geometry';
 
 const kTones = 8; // of rooms' colours
 const kLetter = 0.6; // about the width of a letter, of its size
@@ -13,9 +13,10 @@ const [kMostHeight, kMostHeight_px] = [0.62, 640]; // of the window's
 
 export interface PlanDrawing {
   element: SVGSVGElement;
-  span: Span;
+  span: Span; // as it is drawn
   pixel_m: number; // about what a pixel of the window is
-  overlay: SVGGElement; // for what is being drawn on it
+  overlay: SVGGElement; // for what is being drawn on it, in places of the plan, y down
+  upright: string; // turns what has its place in the overlay by a `translate` as letters stand
   pointOf: (event: MouseEvent) => Point;
 }
 
@@ -40,15 +41,17 @@ export function drawPlan(plan: Plan, home: Home | null, label: string, all: Plan
     span.height / Math.min(kMostHeight * window.innerHeight, kMostHeight_px));
   const names: { at: Point; half: number; high: number }[] = [];
   const rooms = plan.rooms.map(({ name, polygons }) =>
-    svg('path', { class: `floor tone-${toneOf(all, name)}`, d: pathOf(polygons), 'fill-rule': 'evenodd', 'data-room': name }));
-  const doors = plan.doors.map(({ middle: [x, y], rooms: between }) =>
-    svg('g', { class: 'door', transform: `translate(${x} ${-y})` },
+    svg('path', { class: `floor tone-${toneOf(all, name)}`, d: pathOf(drawnPolygons(polygons, plan)), 'fill-rule': 'evenodd', 'data-room': name }));
+  const doors = plan.doors.filter(({ door }) => door).map(({ middle, rooms: between }) => {
+    const [x, y] = drawn(middle, plan);
+    return svg('g', { class: 'door', transform: `translate(${round(x)} ${round(-y)})` },
       svg('title', {}, text('plan.door', { a: between[0], b: between[1] })),
-      svg('circle', { r: 0.13 }), svg('path', { d: 'M-0.07 0H0.07' })));
+      svg('circle', { r: 0.13 }), svg('path', { d: 'M-0.07 0H0.07' }));
+  });
   const mark_m = kMark_px * pixel_m;
   const size = kThingName_px * pixel_m;
   const roomLabels = plan.rooms.flatMap(({ name, polygons }) => {
-    const place = labelPlace(polygons);
+    const place = labelPlace(drawnPolygons(polygons, plan));
     if (!place) {
       return [];
     }
@@ -61,7 +64,7 @@ export function drawPlan(plan: Plan, home: Home | null, label: string, all: Plan
     if (!thing.position) {
       return [];
     }
-    const [x, y] = thing.position;
+    const [x, y] = drawn([thing.position[0], thing.position[1]], plan);
     const d = round(1.5 * mark_m);
     const shape = thing.added ? svg('path', { d: `M0 ${-d}L${d} 0L0 ${d}L${-d} 0Z` }) : svg('circle', { r: mark_m });
     const parts = [svg('title', {}, thing.name), shape];
@@ -76,16 +79,17 @@ export function drawPlan(plan: Plan, home: Home | null, label: string, all: Plan
       names.push({ at, half, high: size });
       parts.push(svg('text', { class: 'thing-name', y: round(below), 'font-size': round(size) }, thing.name));
     }
-    return [svg('g', { class: `mark${thing.added ? ' added' : ''}`, transform: `translate(${x} ${-y})`, 'data-thing': thing.id }, ...parts)];
+    return [svg('g', { class: `mark${thing.added ? ' added' : ''}`, transform: `translate(${round(x)} ${round(-y)})`, 'data-thing': thing.id }, ...parts)];
   });
-  const overlay = svg('g', { class: 'drawing' }) as SVGGElement;
+  const { right_degrees = 0 } = plan;
+  const overlay = svg('g', { class: 'drawing', transform: `rotate(${right_degrees})` }) as SVGGElement;
   element.append(...rooms, ...doors, ...roomLabels, ...things, overlay);
   return {
-    element, span, pixel_m, overlay,
+    element, span, pixel_m, overlay, upright: `rotate(${-right_degrees})`,
     pointOf: (event) => {
       const matrix = element.getScreenCTM();
       const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix?.inverse());
-      return [point.x, -point.y];
+      return planned([point.x, -point.y], plan);
     },
   };
 }

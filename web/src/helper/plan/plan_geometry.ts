@@ -10,13 +10,25 @@ export interface Span {
 
 const kMargin_m = 0.4;
 
-// All that is drawn, with a margin; of nothing a square.
+// A place of the plan as it is drawn: turned so that walls lie along the drawing's sides; and back.
+export function drawn([x, y]: Point, { right_degrees = 0 }: Plan): Point {
+  const [c, s] = [Math.cos((right_degrees * Math.PI) / 180), Math.sin((right_degrees * Math.PI) / 180)];
+  return [c * x + s * y, c * y - s * x];
+}
+export function planned(point: Point, { right_degrees = 0 }: Plan): Point {
+  return drawn(point, { rooms: [], doors: [], right_degrees: -right_degrees });
+}
+export function drawnPolygons(polygons: readonly Point[][][], plan: Plan): Point[][][] {
+  return polygons.map((rings) => rings.map((ring) => ring.map((corner) => drawn(corner, plan))));
+}
+
+// All that is drawn, as it is drawn, with a margin; of nothing a square.
 export function spanOf(plan: Plan, home: Home | null): Span {
   const points: Point[] = [
     ...plan.rooms.flatMap((room) => room.polygons.flat(2)),
     ...plan.doors.map((door) => door.middle),
     ...(home?.things ?? []).flatMap(({ position }): Point[] => (position ? [[position[0], position[1]]] : [])),
-  ];
+  ].map((point) => drawn(point, plan));
   if (points.length === 0) {
     return { left: 0, bottom: 0, width: 1, height: 1 };
   }

@@ -1,8 +1,9 @@
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 
 import type { Plan, Point } from '../../shared/protocol';
-import { isInside, labelPlace, lineWithLeft, pathOf, roomAt, spanOf } from './plan_geometry';
+import { drawn, isInside, labelPlace, lineWithLeft, pathOf, planned, roomAt, spanOf } from './plan_geometry';
 
 const square = (x: number, y: number, side: number): Point[] => [[x, y], [x + side, y], [x + side, y + side], [x, y + side]];
 const plan: Plan = {
@@ -10,7 +11,7 @@ const plan: Plan = {
     { name: 'hall', polygons: [[square(0, 0, 4), square(1, 1, 1)]] },
     { name: 'kitchen', polygons: [[square(4, 0, 2)]] },
   ],
-  doors: [{ rooms: ['hall', 'kitchen'], middle: [4, 1], width_m: 0.8 }],
+  doors: [{ rooms: ['hall', 'kitchen'], middle: [4, 1], width_m: 0.8, door: true }],
 };
 
 test('a point is of the room that it lies in, and in a hole of none', () => {
@@ -43,4 +44,24 @@ test('the third point says which side of a line is meant', () => {
 
 test('a path has y down, as pictures have', () => {
   assert.equal(pathOf([[square(0, 0, 1)]]), 'M0 0L1 0L1 -1L0 -1Z');
+});
+
+test('what lies to the right on the drawing does so, and a place is found again', () => {
+  const turned = { ...plan, right_degrees: 90 };
+  const [x, y] = drawn([0, 2], turned);
+  assert.ok(Math.abs(x - 2) < 1e-9 && Math.abs(y) < 1e-9);
+  const [backX, backY] = planned(drawn([1.5, -0.25], turned), turned);
+  assert.ok(Math.abs(backX - 1.5) < 1e-9 && Math.abs(backY + 0.25) < 1e-9);
+  const span = spanOf(turned, null);
+  assert.ok(Math.abs(span.width - 4.8) < 1e-9 && Math.abs(span.height - 6.8) < 1e-9, 'the longer side stands upright now');
+});
+
+test('rooms have the colours that the report and the drawn plan have, made light', () => {
+  const colours = readFileSync('../roomwise/evaluation/svg.cpp', 'utf8');
+  const styles = readFileSync('src/styles/helper.css', 'utf8');
+  for (let i = 0; i < 8; i += 1) {
+    const strong = new RegExp(`dot-${i} \\{ fill: #(\\w{6})`).exec(colours)?.[1] ?? '';
+    const light = [0, 2, 4].map((at) => Math.round(0.3 * parseInt(strong.slice(at, at + 2), 16) + 0.7 * 255).toString(16).padStart(2, '0'));
+    assert.match(styles, new RegExp(`tone-${i} \\{ fill: #${light.join('')}`));
+  }
 });

@@ -5,7 +5,7 @@ import type { Home, Plan, Point } from '../../shared/protocol';
 import { svg } from '../../shared/svg';
 import { formatNumber, text } from '../../shared/texts';
 import { drawPlan } from './plan_drawing';
-import { roomAt } from './plan_geometry';
+import { drawn, planned, roomAt } from './plan_geometry';
 
 const kStep_m = 0.1;
 const kLongStep_m = 0.5; // with Shift
@@ -28,26 +28,29 @@ export function pointPicker(plan: Plan, home: Home, options: PickerOptions): Poi
   drawing.element.removeAttribute('role');
   const { span } = drawing;
   const points: Point[] = [];
-  let cross: Point = options.start ?? [span.left + span.width / 2, span.bottom + span.height / 2];
+  let cross: Point = options.start ?? planned([span.left + span.width / 2, span.bottom + span.height / 2], plan);
   const said = h('p', { class: 'hint', role: 'status' });
   const field = h('div', {
     class: 'plan-stage picker', tabindex: 0, role: 'application', 'aria-label': `${options.label} ${text('picker.keys')}`,
   }, drawing.element);
 
-  const place = ([x, y]: Point): string => text('picker.place', {
-    room: roomAt(plan, [x, y]) ?? text('picker.no_room'),
-    x: formatNumber(x - span.left, 1), y: formatNumber(y - span.bottom, 1),
-  });
+  const place = (point: Point): string => {
+    const [x, y] = drawn(point, plan);
+    return text('picker.place', {
+      room: roomAt(plan, point) ?? text('picker.no_room'),
+      x: formatNumber(x - span.left, 1), y: formatNumber(y - span.bottom, 1),
+    });
+  };
   const show = (): void => {
     drawing.overlay.textContent = '';
-    const drawn = shapeOf(points, options.shape, Math.hypot(span.width, span.height));
-    if (drawn.length > 1) {
-      drawing.overlay.append(svg('polyline', { points: drawn.map(([x, y]) => `${x},${-y}`).join(' ') }));
+    const shape = shapeOf(points, options.shape, Math.hypot(span.width, span.height));
+    if (shape.length > 1) {
+      drawing.overlay.append(svg('polyline', { points: shape.map(([x, y]) => `${x},${-y}`).join(' ') }));
     }
-    points.forEach(([x, y], i) => drawing.overlay.append(
-      svg('circle', { cx: x, cy: -y, r: 0.11 }), svg('text', { x, y: -y - 0.17, 'font-size': 0.2 }, String(i + 1))));
-    const [x, y] = cross;
-    drawing.overlay.append(svg('path', { class: 'cross', d: `M${x - 0.25} ${-y}h0.5M${x} ${-y - 0.25}v0.5` }));
+    const upright = ([x, y]: Point): string => `translate(${x} ${-y}) ${drawing.upright}`;
+    points.forEach((point, i) => drawing.overlay.append(svg('g', { transform: upright(point) },
+      svg('circle', { r: 0.11 }), svg('text', { y: -0.17, 'font-size': 0.2 }, String(i + 1)))));
+    drawing.overlay.append(svg('path', { class: 'cross', transform: upright(cross), d: 'M-0.25 0h0.5M0 -0.25v0.5' }));
   };
   const set = (point: Point): void => {
     cross = point;
@@ -63,10 +66,11 @@ export function pointPicker(plan: Plan, home: Home, options: PickerOptions): Poi
     const move = kMoves[event.key];
     if (move) {
       const step = event.shiftKey ? kLongStep_m : kStep_m;
-      cross = [
-        Math.min(span.left + span.width, Math.max(span.left, cross[0] + step * move[0])),
-        Math.min(span.bottom + span.height, Math.max(span.bottom, cross[1] + step * move[1])),
-      ];
+      const [x, y] = drawn(cross, plan);
+      cross = planned([
+        Math.min(span.left + span.width, Math.max(span.left, x + step * move[0])),
+        Math.min(span.bottom + span.height, Math.max(span.bottom, y + step * move[1])),
+      ], plan);
       said.textContent = place(cross);
     } else if (event.key === 'Enter' || event.key === ' ') {
       set(cross);
