@@ -15,8 +15,7 @@ using std::chrono::duration;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr seconds kSpeedWindow{10};
-constexpr milliseconds kBetweenSamples{250};
+constexpr milliseconds kFirstMoment{250};
 constexpr milliseconds kBetweenBars{100};
 // In a log: a line every tenth of the work, but not more often than every second, and not more
 // seldom than every ten.
@@ -47,27 +46,21 @@ std::string bar(int percent) {
 }  // namespace
 
 void TimeLeft::start(Time now) {
-  samples_ = {{now, 0}};
+  began_ = now;
+  from_ = last_ = {now, 0};
 }
 
 void TimeLeft::update(Time now, std::uint64_t done) {
-  // The latest sample moves along until it is old enough to be kept.
-  if (samples_.size() >= 2 && now - samples_[samples_.size() - 2].time < kBetweenSamples) {
-    samples_.pop_back();
-  }
-  samples_.push_back({now, done});
-  while (samples_.size() > 2 && now - samples_[1].time >= kSpeedWindow) samples_.pop_front();
+  last_ = {now, done};
+  if (now - began_ < kFirstMoment) from_ = last_;
 }
 
 std::optional<double> TimeLeft::seconds(std::uint64_t total) const {
-  if (samples_.empty()) return std::nullopt;
-  const Sample& first = samples_.front();
-  const Sample& last = samples_.back();
-  if (total <= last.done) return 0.0;
-  const double elapsed_s = duration<double>(last.time - first.time).count();
-  if (last.done <= first.done || elapsed_s <= 0) return std::nullopt;
-  const double per_second = static_cast<double>(last.done - first.done) / elapsed_s;
-  return static_cast<double>(total - last.done) / per_second;
+  if (total <= last_.done) return 0.0;
+  const double elapsed_s = duration<double>(last_.time - from_.time).count();
+  if (last_.done <= from_.done || elapsed_s <= 0) return std::nullopt;
+  const double per_second = static_cast<double>(last_.done - from_.done) / elapsed_s;
+  return static_cast<double>(total - last_.done) / per_second;
 }
 
 std::string format_duration(double seconds) {

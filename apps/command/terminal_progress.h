@@ -1,7 +1,6 @@
 #pragma once
 
 #include <chrono>
-#include <deque>
 #include <functional>
 #include <string>
 
@@ -9,8 +8,9 @@
 
 namespace roomwise::app {
 
-// How long work will still take, from its speed over the last ten seconds or so: what went before
-// (a slow start, an easy stretch) says little about what comes.
+// How long work will still take, by its speed over all that was done of it so far: parts are of
+// unequal length, and the speed of the last few would jump. What is told done within the first
+// moment was done before (work that goes on), and says nothing of the speed.
 class TimeLeft {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -23,9 +23,10 @@ class TimeLeft {
  private:
   struct Sample {
     Time time;
-    std::uint64_t done;
+    std::uint64_t done = 0;
   };
-  std::deque<Sample> samples_;  // at least the latest; the oldest is just outside the window
+  Time began_;
+  Sample from_, last_;
 };
 
 // "0:07", "12:30", "1:02:03".

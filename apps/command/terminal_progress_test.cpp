@@ -39,16 +39,32 @@ TEST(TimeLeft, IsUnknownBeforeTheFirstUnitIsDone) {
   EXPECT_EQ(left.seconds(100), std::nullopt);
 }
 
-TEST(TimeLeft, FollowsTheRecentSpeed) {
+TEST(TimeLeft, IsSteadyWherePartsAreOfUnequalLength) {
   TimeLeft left;
   TimeLeft::Time now{};
   left.start(now);
   std::uint64_t done = 0;
-  for (int second = 0; second < 60; ++second) left.update(now += seconds(1), ++done);
-  EXPECT_NEAR(*left.seconds(done + 30), 30, 1e-9);  // one a second
-  for (int second = 0; second < 15; ++second) left.update(now += seconds(1), done += 10);
-  EXPECT_NEAR(*left.seconds(done + 30), 3, 1e-9);  // ten a second; the slow minute is forgotten
+  double last_s = 0;
+  // Every fourth takes nine seconds, the others one: three seconds in the mean.
+  for (int part = 0; part < 60; ++part) {
+    left.update(now += seconds(part % 4 == 3 ? 9 : 1), ++done);
+    const double left_s = *left.seconds(100);
+    if (part > 20) {
+      EXPECT_NEAR(left_s, last_s, 0.15 * last_s) << part;
+    }
+    last_s = left_s;
+  }
+  EXPECT_NEAR(last_s, 3 * 40, 1e-9);
   EXPECT_EQ(left.seconds(done), 0.0);
+}
+
+TEST(TimeLeft, OfWorkThatGoesOnIsBySpeedOfNow) {
+  TimeLeft left;
+  TimeLeft::Time now{};
+  left.start(now);
+  left.update(now += milliseconds(10), 500);  // done before it was stopped
+  left.update(now += seconds(10), 510);
+  EXPECT_NEAR(*left.seconds(520), 10, 1e-9);
 }
 
 TEST(TimeLeft, IsExactAtAnyRateOfUpdates) {
