@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -295,17 +294,21 @@ Expected<pipeline::Networks> load_networks_for_new(const NetworkOptions& options
                  pipeline::needs_precision_check(home, *read, options.precision));
     if (!is_new) continue;
     constexpr const char* kWork = "checking whether 8 bits will do";
-    context.progress.begin(kWork, std::nullopt);
-    std::atomic<std::uint64_t> looked_at = 0;
     const auto shown = [&](std::size_t i) -> Expected<image::ColorImage> {
       ROOMWISE_CHECK_OK(context.progress.check(kWork));
-      ++looked_at;
       return picture(i);
     };
-    ROOMWISE_TRY(const pipeline::PrecisionCheck check,
-                 pipeline::check_precision(home, file, pictures, shown, context.threads));
-    context.progress.advance(looked_at, "");
-    context.progress.end();
+    std::size_t last_of = 0;  // a second try is work of its own
+    const auto runs_done = [&](std::size_t done, std::size_t of) -> Expected<void> {
+      if (of != last_of) context.progress.begin(kWork, of);
+      last_of = of;
+      context.progress.advance(done, "");
+      return context.progress.check(kWork);
+    };
+    ROOMWISE_TRY(
+        const pipeline::PrecisionCheck check,
+        pipeline::check_precision(home, file, pictures, shown, context.threads, runs_done));
+    if (last_of > 0) context.progress.end();
     context.progress.note(fmt::format("{} looks at this home in {}: {}", card->name,
                                       check.eight_bits ? "8 bits" : "floats", check.why));
   }

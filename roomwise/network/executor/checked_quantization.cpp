@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "roomwise/base/stage_clock.h"
@@ -55,6 +56,38 @@ Expected<double> min_cpu_s(const Executor& executor, const Tensor& input) {
   }
   return least;
 }
+
+// Runs that are counted and told.
+class CountedRuns {
+ public:
+  CountedRuns(const RunsDone& tell, std::size_t threads) : tell_(tell), threads_(threads) {}
+
+  void begin(std::size_t of) {
+    done_ = 0;
+    of_ = of;
+  }
+  [[nodiscard]] Expected<void> count(std::size_t runs) {
+    done_ += runs;
+    return tell_ ? tell_(done_, of_) : Expected<void>();
+  }
+  // As run_batch().
+  [[nodiscard]] Expected<std::vector<Outputs>> run(const Executor& executor,
+                                                   std::span<const Tensor> inputs) {
+    const std::size_t few = 4 * std::max<std::size_t>(threads_, 1);
+    std::vector<Outputs> all;
+    for (std::size_t first = 0; first < inputs.size(); first += few) {
+      const auto some = inputs.subspan(first, std::min(few, inputs.size() - first));
+      ROOMWISE_TRY(auto outputs, executor.run_batch(some, threads_));
+      std::ranges::move(outputs, std::back_inserter(all));
+      ROOMWISE_CHECK_OK(count(some.size()));
+    }
+    return all;
+  }
+
+ private:
+  const RunsDone& tell_;
+  std::size_t threads_, done_ = 0, of_ = 0;
+};
 
 QuantizationReport compare(std::span<const Outputs> exact, std::span<const Outputs> rounded) {
   QuantizationReport report;
@@ -109,26 +142,30 @@ std::string reason_against(const QuantizationReport& report, std::span<const std
 Expected<CheckedExecutor> checked_quantization(
     const OnnxGraph& graph, const ExecutorOptions& options, std::span<const Tensor> calibration,
     std::span<const Tensor> held_out, std::span<const std::size_t> scores,
-    const QuantizationLimits& limits, std::size_t threads) {
+    const QuantizationLimits& limits, std::size_t threads, const RunsDone& runs_done) {
   if (calibration.empty() || held_out.empty())
     return fail("8 bits need inputs to measure on, and others to be checked on");
   ExecutorOptions in_floats = options;
   in_floats.eight_bits.reset();
   ROOMWISE_TRY(auto exact, Executor::create(graph, in_floats));
-  ROOMWISE_TRY(const auto exact_outputs, exact->run_batch(held_out, threads));
+  CountedRuns runs(runs_done, threads);
+  runs.begin(2 * held_out.size() + calibration.size());
+  ROOMWISE_TRY(const auto exact_outputs, runs.run(*exact, held_out));
   for (const std::size_t i : scores) {
     if (i >= exact_outputs.front().size())
       return fail("there is no output {} among {}", i, exact_outputs.front().size());
   }
   ROOMWISE_TRY(EightBitRanges ranges, calibrate_eight_bits(graph, in_floats, calibration));
+  ROOMWISE_CHECK_OK(runs.count(calibration.size()));
   QuantizationReport report;
   report.reason = "nothing in it can be held in 8 bits";
   for (const std::int64_t min_channels : kMinChannels) {
+    if (min_channels != kMinChannels.front()) runs.begin(held_out.size());
     ranges.min_channels = min_channels;
     ExecutorOptions in_eight_bits = in_floats;
     in_eight_bits.eight_bits = ranges;
     ROOMWISE_TRY(auto rounded, Executor::create(graph, in_eight_bits));
-    ROOMWISE_TRY(const auto outputs, rounded->run_batch(held_out, threads));
+    ROOMWISE_TRY(const auto outputs, runs.run(*rounded, held_out));
     QuantizationReport compared = compare(exact_outputs, outputs);
     // Nothing has so many channels: that is the network in floats.
     if (*std::ranges::max_element(compared.mean_error) < kFloatRounding) break;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "roomwise/network/executor/executor.h"
 
 namespace roomwise::network {
@@ -28,6 +30,10 @@ struct QuantizationReport {
   std::string reason;  // why it is not used; empty: it is
 };
 
+// Told after every few inputs how many runs of the network are done, and of how many; where the
+// first try does not come near enough, of the second's. What fails ends the work.
+using RunsDone = std::function<Expected<void>(std::size_t done, std::size_t of)>;
+
 struct CheckedExecutor {
   std::unique_ptr<Executor> executor;
   std::optional<EightBitRanges> eight_bits;  // with which it runs; absent: in floats
@@ -41,6 +47,6 @@ struct CheckedExecutor {
 [[nodiscard]] Expected<CheckedExecutor> checked_quantization(
     const OnnxGraph& graph, const ExecutorOptions& options, std::span<const Tensor> calibration,
     std::span<const Tensor> held_out, std::span<const std::size_t> scores,
-    const QuantizationLimits& limits = {}, std::size_t threads = 1);
+    const QuantizationLimits& limits = {}, std::size_t threads = 1, const RunsDone& runs_done = {});
 
 }  // namespace roomwise::network

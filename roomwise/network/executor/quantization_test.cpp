@@ -203,6 +203,25 @@ TEST(Quantization, IsUsedOnlyWhereItIsNearEnough) {
   EXPECT_ERROR(checked_quantization(graph, {}, {}, held_out, scores), "inputs to measure on");
 }
 
+TEST(Quantization, TellsHowManyRunsAreDoneAndStopsWhereThatFails) {
+  const std::vector<Tensor> pictures = some_pictures();
+  const std::vector<Tensor> held_out{random_tensor({1, 3, 20, 18}, 8),
+                                     random_tensor({1, 3, 20, 18}, 9)};
+  std::vector<std::size_t> told;
+  const RunsDone tell = [&](std::size_t done, std::size_t of) -> Expected<void> {
+    EXPECT_EQ(of, pictures.size() + 2 * held_out.size());
+    told.push_back(done);
+    return {};
+  };
+  ASSERT_OK(
+      checked_quantization(branched_graph(), {}, pictures, held_out, {}, {0.9, 0.0}, 1, tell));
+  EXPECT_THAT(told, ::testing::ElementsAre(2, 2 + pictures.size(), 4 + pictures.size()));
+  const RunsDone stop = [](std::size_t, std::size_t) -> Expected<void> { return fail("enough"); };
+  EXPECT_ERROR(
+      checked_quantization(branched_graph(), {}, pictures, held_out, {}, {0.9, 0.0}, 1, stop),
+      "enough");
+}
+
 // Few channels, then many, and few that are joined to many.
 OnnxGraph widening_graph() {
   GraphBuilder builder({5, false});

@@ -28,7 +28,7 @@ std::string how_near(const QuantizedClassifier& quantized, const ClassifierOutpu
 
 Expected<QuantizedClassifier> quantize_classifier(const std::filesystem::path& weights,
                                                   std::size_t pictures, const PictureAt& picture,
-                                                  std::size_t threads) {
+                                                  std::size_t threads, const RunsDone& runs_done) {
   const auto in_file = [&](Error error) { return std::move(error).in(weights.string()); };
   ROOMWISE_TRY(const NetworkFile file, read_network_in_floats(weights));
   if (file.card.task != Task::kClassify)
@@ -51,7 +51,8 @@ Expected<QuantizedClassifier> quantize_classifier(const std::filesystem::path& w
   std::vector<std::size_t> scores;
   if (outputs.scores) scores.push_back(options.outputs.size() - 1);
   ROOMWISE_TRY(CheckedExecutor checked,
-               checked_quantization(file.graph, options, calibration, held_out, scores, {}, threads)
+               checked_quantization(file.graph, options, calibration, held_out, scores, {}, threads,
+                                    runs_done)
                    .map_error(in_file));
   QuantizedClassifier quantized{.report = std::move(checked.report),
                                 .measured_on = calibration.size(),

@@ -23,9 +23,10 @@ using PictureAt = std::function<Expected<image::ColorImage>(std::size_t)>;
 // How a network that looks at whole pictures can be worked out in 8 bits: measured on a quarter of
 // these pictures, four neighbours each, and checked on the others (checked_quantization). Of many
 // pictures 320, evenly spread, are taken. Fails where there are fewer than
-// kMinQuantizationPictures, where one cannot be read, or it is no such network.
+// kMinQuantizationPictures, where one cannot be read, or it is no such network. `runs_done`: see
+// checked_quantization().
 [[nodiscard]] Expected<QuantizedClassifier> quantize_classifier(
     const std::filesystem::path& weights, std::size_t pictures, const PictureAt& picture,
-    std::size_t threads = 1);
+    std::size_t threads = 1, const RunsDone& runs_done = {});
 
 }  // namespace roomwise::network

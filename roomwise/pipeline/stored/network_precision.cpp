@@ -114,17 +114,17 @@ Expected<bool> needs_precision_check(const home::Home& home, const NetworkFile& 
 
 Expected<PrecisionCheck> check_precision(home::Home& home, const std::filesystem::path& weights,
                                          std::size_t pictures, const network::PictureAt& picture,
-                                         std::size_t threads) {
+                                         std::size_t threads, const network::RunsDone& runs_done) {
   constexpr std::size_t kTaken = network::kMinQuantizationPictures;
   if (pictures < kTaken) {
     return PrecisionCheck{
         std::nullopt, fmt::format("8 bits need {} pictures of the home to be checked on, not {}",
                                   kTaken, pictures)};
   }
-  ROOMWISE_TRY(
-      auto quantized,
-      network::quantize_classifier(
-          weights, kTaken, [&](std::size_t i) { return picture(i * pictures / kTaken); }, threads));
+  ROOMWISE_TRY(auto quantized,
+               network::quantize_classifier(
+                   weights, kTaken, [&](std::size_t i) { return picture(i * pictures / kTaken); },
+                   threads, runs_done));
   PrecisionCheck check{.eight_bits = std::nullopt, .why = quantized.report.reason};
   if (quantized.report.is_used) check = {quantized.file, quantized.file.checked};
   ROOMWISE_TRY(const std::string text, text_of(check, quantized.file));

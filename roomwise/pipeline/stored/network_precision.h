@@ -43,12 +43,13 @@ struct PrecisionCheck {
 
 // Checks the network on at most 80 of these pictures of the home, evenly spread, and stores what
 // came of it. Too few are no error, but a reason for floats, and not stored. Fails where a picture
-// cannot be read.
+// cannot be read. `runs_done`: network::checked_quantization.
 [[nodiscard]] Expected<PrecisionCheck> check_precision(home::Home& home,
                                                        const std::filesystem::path& weights,
                                                        std::size_t pictures,
                                                        const network::PictureAt& picture,
-                                                       std::size_t threads);
+                                                       std::size_t threads,
+                                                       const network::RunsDone& runs_done = {});
 
 // The network as it is to look at the home's pictures. Fails where it is to do so in 8 bits and no
 // check allows that.
