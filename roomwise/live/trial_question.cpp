@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "roomwise/guide/legs.h"
 #include "roomwise/guide/questions/refusal_prompts.h"
 #include "roomwise/live/led_walk.h"
 
@@ -47,6 +48,74 @@ bool can_be_tried(service::Question question) {
       Question::kWhoIsHere,    Question::kIsItLight};
   return std::ranges::find(kOthers, question) == kOthers.end();
 }
+
+// Somebody who does as they are told: they turn on the spot, listen, and walk along the way.
+class ObedientWalker {
+ public:
+  ObedientWalker(LedWalk& led, const std::shared_ptr<const HomeView>& home,
+                 const TrialQuestion& question)
+      : led_(led),
+        home_(home),
+        place_(*question.place),
+        heading_rad_(question.heading_degrees * std::numbers::pi / 180) {}
+
+  // What they hear until they have arrived, or came to the end of the way.
+  std::vector<guide::Prompt> walk(const guide::Route& way) {
+    stand_for(kListen_s);
+    for (std::size_t i = 1; i < way.size() && !led_.is_over(); ++i) {
+      const Eigen::Vector2d leg = way[i] - place_;
+      if (leg.norm() > kLongestLeg_m) break;  // the plan's next storey: nobody walks there
+      turn_to(leg);
+      walk_to(way[i]);
+    }
+    stand_for(kAtEnd_s);
+    return std::move(heard_);
+  }
+
+ private:
+  static constexpr double kPicture_s = 0.25, kListen_s = 2.5, kAtEnd_s = 8;
+  static constexpr double kPace_mps = 0.6, kTurn_radps = std::numbers::pi / 4;
+  static constexpr double kLongestLeg_m = 100;
+
+  void look() {
+    now_t_ms_ += 1000 * kPicture_s;
+    FrameResult picture = picture_at(place_, heading_rad_ * 180 / std::numbers::pi, *home_);
+    picture.t_ms = now_t_ms_;
+    for (guide::Prompt& prompt : led_.after(picture, home_)) heard_.push_back(std::move(prompt));
+  }
+  void stand_for(double time_s) {
+    for (double t_s = 0; t_s < time_s && !led_.is_over(); t_s += kPicture_s) look();
+  }
+  void turn_to(const Eigen::Vector2d& along) {
+    if (along.norm() < 1e-6) return;
+    const double step_rad = kTurn_radps * kPicture_s;
+    const double wanted_rad = std::atan2(along.y(), along.x());
+    double left_rad = std::remainder(wanted_rad - heading_rad_, 2 * std::numbers::pi);
+    const bool is_a_turn = std::abs(left_rad) > guide::kNoTurn_rad;
+    while (std::abs(left_rad) > step_rad && !led_.is_over()) {
+      heading_rad_ += std::copysign(step_rad, left_rad);
+      look();
+      left_rad = std::remainder(wanted_rad - heading_rad_, 2 * std::numbers::pi);
+    }
+    heading_rad_ = wanted_rad;
+    if (is_a_turn) stand_for(kListen_s);
+  }
+  void walk_to(const Eigen::Vector2d& end) {
+    const Eigen::Vector2d from = place_;
+    const double length_m = (end - from).norm();
+    const int steps = static_cast<int>(std::ceil(length_m / (kPace_mps * kPicture_s)));
+    for (int step = 1; step <= steps && !led_.is_over(); ++step) {
+      place_ = from + (end - from) * step / steps;
+      look();
+    }
+  }
+
+  LedWalk& led_;
+  std::shared_ptr<const HomeView> home_;
+  Eigen::Vector2d place_;
+  double heading_rad_ = 0, now_t_ms_ = 0;
+  std::vector<guide::Prompt> heard_;
+};
 
 // What is led to: of "take me back" the place, where there is one.
 service::Ask goal_of(const service::Ask& ask, const HomeView& home, std::int64_t now_s) {
@@ -96,6 +165,9 @@ TrialAnswer try_ask(const service::Ask& asked, const TrialQuestion& question,
     const guide::Plan plan = led->plan_from(situation);
     answered.way = plan.route;
     if (!plan.route.empty()) answered.goal = plan.touch_gravity;
+    if (ask.question == service::Question::kTakeMeTo) {
+      answered.along_way = ObedientWalker(*led, home, question).walk(plan.route);
+    }
   }
   return answered;
 }

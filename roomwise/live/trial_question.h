@@ -20,7 +20,9 @@ struct TrialQuestion {
 };
 
 struct TrialAnswer {
-  std::vector<guide::Prompt> prompts;   // what would be said, the most important first
+  std::vector<guide::Prompt> prompts;  // what would be said, the most important first
+  // What who is led hears after that, if they do as they are told at a steady pace.
+  std::vector<guide::Prompt> along_way;
   guide::Route way;                     // where one would be led; empty: nowhere
   std::optional<Eigen::Vector2d> goal;  // what was asked for, nearest to the way's end
 };

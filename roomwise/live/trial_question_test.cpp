@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <set>
+
 #include "roomwise/guide/spot_prompts.h"
 
 namespace roomwise::live {
@@ -55,6 +57,19 @@ TEST(TrialQuestion, ShowsTheWayOfWhoWouldBeLed) {
   EXPECT_GT(led.way.back().x(), 2.5);
   ASSERT_TRUE(led.goal);
   EXPECT_NEAR(led.goal->x(), 3.75, 0.1) << "the stove's near side";
+}
+
+TEST(TrialQuestion, TellsAllThatWhoIsLedHearsUntilTheyAreThere) {
+  TrialQuestion asked = question("take me to the stove", {{0, 0}});
+  asked.heading_degrees = 90;
+  const TrialAnswer led = try_question(asked, home_with_stove());
+  ASSERT_GE(led.along_way.size(), 2U);
+  EXPECT_EQ(led.along_way.back().message, "guide.there_ahead") << led.along_way.back().text;
+  std::set<std::string> texts;
+  for (const guide::Prompt& prompt : led.along_way) texts.insert(prompt.text);
+  EXPECT_EQ(texts.size(), led.along_way.size()) << "each is said once";
+  EXPECT_THAT(try_question(question("where is the stove", {{0, 0}}), home_with_stove()).along_way,
+              IsEmpty());
 }
 
 TEST(TrialQuestion, WithoutAPlaceOneIsToldWhatWhoShowsNoPictureIsTold) {

@@ -45,11 +45,13 @@ service::HttpAnswer ask_on_trial(LiveHome& home, const service::HttpRequest& req
   const auto trial = read_trial(*parsed);
   if (!trial) return service::error_answer(400, trial.error().message);
   const TrialAnswer answered = try_question(*trial, home.view_for(*request.who));
-  Json said = Json::array(), way = Json::array();
+  Json said = Json::array(), along = Json::array(), way = Json::array();
   for (const guide::Prompt& prompt : answered.prompts) said.push_back(prompt.text);
+  for (const guide::Prompt& prompt : answered.along_way) along.push_back(prompt.text);
   for (const Eigen::Vector2d& corner : answered.way) way.push_back(point_json(corner));
   return service::json_answer(
       {{"said", std::move(said)},
+       {"along", std::move(along)},
        {"way", std::move(way)},
        {"goal", answered.goal ? point_json(*answered.goal) : Json(nullptr)}});
 }

@@ -24,6 +24,14 @@ class Refusal extends Error {
 export const kStaffPassword = 'correct horse battery';
 export const kSecret = 'AbCdEfGhIjKlMnOpQr_-12';
 
+// Sentences of roomwise/guide/messages, chosen by hand for the made-up home.
+export const kSaidOfWay = ['To the microwave: about 6 metres. Turn left.'];
+export const kSaidAlong = [
+  'Straight on, 1 metre to the door.', 'In 1 metre: turn left.', 'Turn left.', 'Straight on, 3 metres.', 'In 2 metres: turn right.', 'Turn right.',
+  'Straight on, 3 metres to the microwave.', 'You are there: the microwave on your left, in reach. At hip height.',
+];
+export const kSaidWithoutPlace = ['I do not know this place.'];
+
 const kRoutes: [string, RegExp, Role | '-', Handler][] = [
   ['GET', /^\/health$/, '-', () => ({ status: 'ok' })],
   ['POST', /^\/api\/pair$/, '-', pair],
@@ -100,7 +108,8 @@ const kRoutes: [string, RegExp, Role | '-', Handler][] = [
     const { text, place } = json<{ text: string; place?: [number, number] }>(body);
     const isWay = /take me/i.test(text) && place;
     return {
-      said: isWay ? ['To the microwave, 6 metres.', 'Turn to 9 o\'clock.'] : [`You asked: ${text}.`],
+      said: isWay ? kSaidOfWay : kSaidWithoutPlace,
+      along: isWay ? kSaidAlong : [],
       way: isWay ? [place, [4, 1.4], [1.5, 1.2], [1, 3.8]] : [], goal: isWay ? [0.5, 4.1] : null,
     };
   }],

@@ -51,8 +51,14 @@ export function trialCard(helper: Helper): HTMLElement {
     replaceChildren(result,
       h('h4', {}, text('trial.said')),
       h('ul', { class: 'plain heard' }, ...answer.said.map((words) => h('li', {}, words))),
+      ...alongView(answer),
       ...wayView(answer, points[0] ?? null));
     helper.announcer.say(answer.said.join(' '));
+  }
+
+  function alongView({ along }: Trial): HTMLElement[] {
+    return along.length === 0 ? [] : [
+      h('h4', {}, text('trial.along')), h('ol', { class: 'along' }, ...along.map((words) => h('li', {}, words)))];
   }
 
   function wayView({ way, goal }: Trial, from: Point | null): HTMLElement[] {

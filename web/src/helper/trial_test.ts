@@ -1,7 +1,9 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
+import { messages as spoken } from '../../../roomwise/guide/messages/en.json';
 import { makePlan } from '../../test/made_up_home';
+import { kSaidAlong, kSaidOfWay, kSaidWithoutPlace } from '../../test/stand_in_api';
 import type { Point } from '../shared/protocol';
 import { headingOf, roomsOnWay, wayWords } from './trial';
 
@@ -19,4 +21,14 @@ test('who sets one point looks up, who sets two looks from the first to the seco
   assert.equal(headingOf([[1, 1]], { ...makePlan(), right_degrees: 30 }), 120, 'up on a drawing that is turned');
   assert.equal(headingOf([[1, 1], [2, 1]], makePlan()), 0);
   assert.equal(headingOf([[1, 1], [1, 0]], makePlan()), -90);
+});
+
+test('what the made-up home answers are sentences that the program says', () => {
+  const sentences = Object.values(spoken).filter((one) => /^[A-Z]/.test(one))
+    .map((one) => one.replace(/[.*+?^$()|[\]\\]/g, '\\$&').replace(/\{[^}]*\}/g, '[^.:]+'));
+  const said = new RegExp(`^(?:(?:${sentences.join('|')})(?: |$))+$`);
+  for (const words of [...kSaidOfWay, ...kSaidAlong, ...kSaidWithoutPlace]) {
+    assert.match(words, said);
+  }
+  assert.doesNotMatch('To the microwave, 6 metres.', said);
 });

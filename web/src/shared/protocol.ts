@@ -293,6 +293,7 @@ export interface Stairs {
 // What somebody would be told who asks from a place of the plan.
 export interface Trial {
   said: string[];
+  along: string[]; // what who is led hears after that, if they do as they are told
   way: Point[]; // empty: they would be led nowhere
   goal: Point | null;
 }

@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { after, test } from 'node:test';
 
 import { closeBrowser, gets, kDesktop, kPhone, openVisit, skipReason, withServer } from './harness';
+import { kSaidAlong } from '../stand_in_api';
 import { heardOnce } from './person';
 
 after(closeBrowser);
@@ -22,7 +23,8 @@ for (const [size, name] of [[kDesktop, 'desktop'], [kPhone, 'phone'], [{ width: 
       await visit.page.keyboard.press(key);
     }
     await visit.press('Ask');
-    await heardOnce(visit, 'To the microwave, 6 metres. Turn to 9 o\'clock.');
+    await heardOnce(visit, 'To the microwave: about 6 metres. Turn left.');
+    assert.deepEqual(await visit.page.$$eval('.along li', (all) => all.map((one) => one.textContent)), kSaidAlong);
     await visit.sees('The way that they would be led: 6.2 m, through bathroom, corridor, kitchen.');
     const label = await visit.page.$eval('.looked-at svg', (one) => one.getAttribute('aria-label'));
     assert.equal(label, 'The way that they would be led: 6.2 m, through bathroom, corridor, kitchen.');
@@ -42,7 +44,7 @@ test('without a place it is said why no way is shown; points can be set anew', o
   await visit.tabTo('Question');
   await visit.type('Where am I?');
   await visit.page.keyboard.press('Enter');
-  await heardOnce(visit, 'You asked: Where am I?.');
+  await heardOnce(visit, 'I do not know this place.');
   await visit.sees('set where the person stands');
   await gets(() => server.state.requests, ['POST /api/ask {"text":"Where am I?","language":"en"}']);
   const picker = await visit.page.waitForSelector('.picker');
