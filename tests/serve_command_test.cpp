@@ -93,6 +93,24 @@ std::string ask_for_the_bed(const service::ServerAddress& server,
   }
 }
 
+TEST(Serve, APlaceOfPagesThatIsNotThereIsNoticedBeforeAnythingIsMade) {
+  const ScratchFolder folder;
+  const ProgramResult result =
+      run_roomwise(serve(folder / "new.home", {"--pages", (folder / "none").string()}));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.errors, HasSubstr("the folder of the pages is not there"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "new.home"));
+}
+
+TEST(Serve, SaysWhetherOtherDevicesReachIt) {
+  const ScratchFolder folder;
+  const ServeProcess alone(serve(folder / "one.home"));
+  EXPECT_THAT(alone.said(), HasSubstr("Other devices cannot reach it"));
+  EXPECT_THAT(alone.said(), Not(HasSubstr("authority.crt")));
+  const ServeProcess open(serve(folder / "two.home", {"--address", "0.0.0.0"}));
+  EXPECT_THAT(open.said(), HasSubstr("/authority.crt is warned no more"));
+}
+
 TEST(Serve, ADeviceThatWasPairedIsKnownAfterAKill) {
   const ScratchFolder folder;
   ServeProcess first(serve(folder / "new.home", {"--pair", "device"}));

@@ -214,6 +214,7 @@ Expected<void> show_code(HomeServer& server, service::Role role, SpokenCodes* sp
 }
 
 Expected<Answer> serve(const Options& options, Context& context) {
+  ROOMWISE_CHECK_OK(check_pages(options));
   std::error_code none;
   if (fs::is_directory(options.home, none)) return serve_house(options, context);
   catch_interrupts();  // before it says that it serves: whoever waits for that may end it at once
@@ -235,11 +236,7 @@ Expected<Answer> serve(const Options& options, Context& context) {
   std::cout << fmt::format("{} serves {}\nIts certificate's fingerprint (SHA-256): {}\n",
                            server->address(), options.home.string(),
                            service::fingerprint_with_colons(certificate.own_fingerprint));
-  if (certificate.authority) {
-    std::cout << fmt::format(
-        "A phone that installs {}/authority.crt is warned no more; that one's fingerprint: {}\n",
-        server->address(), service::fingerprint_with_colons(certificate.authority->fingerprint));
-  }
+  std::cout << words_for_phones(options, server->address(), certificate);
   if (options.pair == "helper" || !server->has_helper()) {
     ROOMWISE_CHECK_OK(show_code(*server, service::Role::kHelper, nullptr));
   }

@@ -323,11 +323,7 @@ Expected<Answer> serve_house(const ServeOptions& options, Context& context) {
       "{} serves the {} homes in {} at port {}\nIts certificate's fingerprint (SHA-256): {}\n",
       server->address(), server->house().names().size(), options.home.string(), server->port(),
       service::fingerprint_with_colons(certificate.own_fingerprint));
-  if (certificate.authority) {
-    std::cout << fmt::format(
-        "A phone that installs {}/authority.crt is warned no more; that one's fingerprint: {}\n",
-        server->address(), service::fingerprint_with_colons(certificate.authority->fingerprint));
-  }
+  std::cout << words_for_phones(options, server->address(), certificate);
   if (!options.pair.empty()) {
     ROOMWISE_CHECK_OK(server->show_code(*service::parse_role(options.pair)));
   }

@@ -9,7 +9,7 @@
 #include <chrono>
 
 #include "qr_code.h"
-#include "roomwise/service/certificate.h"
+#include "roomwise/service/page_files.h"
 #include "roomwise/service/private_folder.h"
 
 namespace roomwise::app {
@@ -70,6 +70,28 @@ std::string url_of(const ServeOptions& options, std::uint16_t port) {
   }
   const bool is_v6 = host.find(':') != std::string::npos;
   return fmt::format("https://{}{}{}:{}", is_v6 ? "[" : "", host, is_v6 ? "]" : "", port);
+}
+
+Expected<void> check_pages(const ServeOptions& options) {
+  if (options.pages.empty()) return {};
+  ROOMWISE_CHECK_OK(service::PageFiles::open(options.pages));
+  return {};
+}
+
+std::string words_for_phones(const ServeOptions& options, const std::string& url,
+                             const service::Certificate& certificate) {
+  const std::string& host = options.address;
+  const bool is_loopback = host.starts_with("127.") || host == "::1" || host == "localhost";
+  if (is_loopback && options.public_address.empty()) {
+    return fmt::format(
+        "Other devices cannot reach it: it listens on {}, this computer alone. With --address "
+        "0.0.0.0 phones in the home's network can\n",
+        host);
+  }
+  if (!certificate.authority) return "";
+  return fmt::format(
+      "A phone that installs {}/authority.crt is warned no more; that one's fingerprint: {}\n", url,
+      service::fingerprint_with_colons(certificate.authority->fingerprint));
 }
 
 fs::path house_folder(const fs::path& homes) {

@@ -13,6 +13,7 @@
 #include "networks.h"
 #include "roomwise/service/access.h"
 #include "roomwise/service/account_store.h"
+#include "roomwise/service/certificate.h"
 
 // What serving one home and serving a folder of homes share.
 namespace roomwise::app {
@@ -65,6 +66,11 @@ class EnterKey {
 [[nodiscard]] std::vector<std::string> names_and(const std::vector<std::string>& more);
 // "https://HOST:PORT", by which others in the network find what listens there.
 [[nodiscard]] std::string url_of(const ServeOptions& options, std::uint16_t port);
+// Fails where a folder of pages is named and not there: before anything is opened or made.
+[[nodiscard]] Expected<void> check_pages(const ServeOptions& options);
+// Where phones get the authority that signed the certificate; or why no other device can.
+[[nodiscard]] std::string words_for_phones(const ServeOptions& options, const std::string& url,
+                                           const service::Certificate& certificate);
 // Prints a code, as text and as QR code, of the page at this address.
 [[nodiscard]] Expected<void> print_code(const service::OpenCode& code, service::Role role,
                                         const std::string& pair_address);
