@@ -73,13 +73,15 @@ std::string objects_section(const std::vector<ReportContent::Object>& objects) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const ReportContent::Object& entry = objects[i];
     const Eigen::Vector3d& place = entry.object.place_world;
+    const std::string& room = entry.room.empty() ? entry.seen_from : entry.room;
     html += fmt::format(
         "<li>\n{}<div class=\"about\">\n<h3>{}. {}</h3>\n<dl>\n"
-        "<dt>Seen from</dt><dd>{}</dd>\n<dt>Score</dt><dd>{:.2f}</dd>\n<dt>Seen in</dt><dd>{} "
+        "<dt>{}</dt><dd>{}</dd>\n<dt>Score</dt><dd>{:.2f}</dd>\n<dt>Seen in</dt><dd>{} "
         "key-frame{}</dd>\n<dt>Place</dt><dd>{:.2f}, {:.2f}, {:.2f}</dd>\n</dl>\n</div>\n</li>\n",
         object_picture(entry, i + 1), i + 1, escape_markup(entry.object.name),
-        entry.room.empty() ? "not known" : escape_markup(entry.room), entry.score,
-        entry.observations, entry.observations == 1 ? "" : "s", place.x(), place.y(), place.z());
+        entry.room.empty() ? "Seen from" : "Room", room.empty() ? "not known" : escape_markup(room),
+        entry.score, entry.observations, entry.observations == 1 ? "" : "s", place.x(), place.y(),
+        place.z());
   }
   return html + "</ol>\n";
 }

@@ -28,7 +28,8 @@ struct ReportContent {
     MapObject object;
     double score = 0;                // of the network, 0 to 1, in the picture below
     std::uint64_t observations = 0;  // key-frames in which it was recognised
-    std::string room;                // in which it was seen best; empty: not known
+    std::string room;                // on whose floor it stands; empty: not known
+    std::string seen_from;           // the room from which it was seen best; empty: not known
     image::ColorImage picture;       // the key-frame with the highest score; empty: none
   };
   struct Room {

@@ -178,5 +178,14 @@ TEST(HtmlReport, AnObjectWithoutAPictureHasNone) {
   EXPECT_THAT(page, HasSubstr("<dd>not known</dd>"));
 }
 
+TEST(HtmlReport, AThingIsInTheRoomThatItStandsInOrWasSeenFromOne) {
+  ReportContent content = full_content("home");
+  content.objects[0].room = "kitchen";
+  content.objects[0].seen_from = "hall";
+  EXPECT_THAT(render_report(content), HasSubstr("<dt>Room</dt><dd>kitchen</dd>"));
+  content.objects[0].room.clear();
+  EXPECT_THAT(render_report(content), HasSubstr("<dt>Seen from</dt><dd>hall</dd>"));
+}
+
 }  // namespace
 }  // namespace roomwise::evaluation

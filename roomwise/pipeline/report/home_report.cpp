@@ -1,6 +1,7 @@
 #include "roomwise/pipeline/report/home_report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <ranges>
 
@@ -9,6 +10,8 @@
 #include "roomwise/mapping/frontend/loop_closer.h"
 #include "roomwise/pipeline/mapping/map_cloud.h"
 #include "roomwise/pipeline/objects/home_things.h"
+#include "roomwise/pipeline/rooms/home_layout.h"
+#include "roomwise/pipeline/rooms/room_outline.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"
 
@@ -27,7 +30,8 @@ struct ShownObject {
   int observations = 0;
   home::KeyframeId keyframe = 0;
   Eigen::Vector3d place_keyframe = Eigen::Vector3d::Zero();
-  Eigen::AlignedBox2f picture_box = {};  // empty: not known
+  Eigen::AlignedBox2f picture_box = {};    // empty: not known
+  std::optional<std::string> put_in = {};  // the room, by hand
 };
 
 // Where a detector looked at the home, what its regions were joined into; else what the paper's
@@ -57,6 +61,7 @@ Expected<std::vector<ShownObject>> shown_objects(const home::Home& home) {
                                                       instance.keyframe_id,
                                                       instance.box_keyframe.center(),
                                                       {}});
+    one.put_in = instance.room;
     if (instance.visit == 0 && instance.added_by == 0) {
       one.picture_box = {Eigen::Vector2f(box.left, box.top),
                          Eigen::Vector2f(box.right, box.bottom)};
@@ -136,8 +141,20 @@ std::vector<ReportContent::Figure> summary(const Stored& stored, double path_m) 
   return figures;
 }
 
-Expected<std::vector<ReportContent::Object>> report_objects(const home::Home& home,
-                                                            const Stored& stored) {
+// On whose floor it stands, or where somebody put it; empty where neither is known.
+std::string room_of(const ShownObject& object, const home::Keyframe& keyframe,
+                    const std::optional<HomeLayout>& layout) {
+  std::optional<std::string> room;
+  if (layout) {
+    const Eigen::Vector3d middle =
+        layout->frame.on_plan(keyframe.pose.world_from_keyframe * object.place_keyframe);
+    room = room_of_thing(middle, keyframe.id, &layout->layout, {}, object.put_in);
+  }
+  return room.value_or(object.put_in.value_or(""));
+}
+
+Expected<std::vector<ReportContent::Object>> report_objects(
+    const home::Home& home, const Stored& stored, const std::optional<HomeLayout>& layout) {
   std::vector<ReportContent::Object> objects;
   for (const ShownObject& object : stored.objects) {
     const home::Keyframe& keyframe = stored.keyframes.at(object.keyframe);
@@ -147,6 +164,7 @@ Expected<std::vector<ReportContent::Object>> report_objects(const home::Home& ho
     objects.push_back({{object.name, keyframe.pose.world_from_keyframe * object.place_keyframe},
                        object.score,
                        static_cast<std::uint64_t>(object.observations),
+                       room_of(object, keyframe, layout),
                        room_of(stored, keyframe.id),
                        evaluation::framed_picture(picture, object.picture_box, kPictureWidth_px)});
   }
@@ -201,6 +219,16 @@ std::vector<std::string> warnings(const Stored& stored, const mapping::UpDirecti
   return warnings;
 }
 
+// Turned as the plan of the rooms, where there is one.
+evaluation::TopViewOptions top_view_options(const std::optional<HomeLayout>& layout) {
+  evaluation::TopViewOptions options;
+  if (!layout || layout->frame.storeys.are_several()) return options;
+  const double right_rad = drawing_direction_rad(layout->grid, layout->frame.storeys);
+  options.right_world = layout->frame.gravity_from_world.rotation.inverse() *
+                        Eigen::Vector3d(std::cos(right_rad), std::sin(right_rad), 0);
+  return options;
+}
+
 }  // namespace
 
 Expected<ReportContent> report_content(const home::Home& home, const ReportExtras& extras,
@@ -208,6 +236,7 @@ Expected<ReportContent> report_content(const home::Home& home, const ReportExtra
   ROOMWISE_TRY(const Stored stored, read(home));
   ROOMWISE_TRY(const recording::Trajectory trajectory, stored_trajectory(home));
   ROOMWISE_TRY(const MapCloud map, build_map_cloud(home, kVoxelSize_m, run));
+  ROOMWISE_TRY(const std::optional<HomeLayout> layout, find_home_layout(home, run));
 
   ReportContent content;
   content.home = extras.name;
@@ -229,9 +258,10 @@ Expected<ReportContent> report_content(const home::Home& home, const ReportExtra
     walk = keyframe.recording;
   }
   if (map.cloud.size() > 0 && !cameras.empty()) {
-    ROOMWISE_TRY(content.map, evaluation::render_top_view(map.cloud, cameras, map.up.up_world));
+    ROOMWISE_TRY(content.map, evaluation::render_top_view(map.cloud, cameras, map.up.up_world,
+                                                          top_view_options(layout)));
   }
-  ROOMWISE_TRY(content.objects, report_objects(home, stored));
+  ROOMWISE_TRY(content.objects, report_objects(home, stored, layout));
   ROOMWISE_TRY(content.rooms, report_rooms(stored));
   if (extras.truth) {
     ROOMWISE_TRY(content.trajectory_error,
