@@ -87,6 +87,20 @@ TEST_F(ExportFormatsTest, JsonTellsRoomsDoorsThingsAndWalks) {
   EXPECT_THAT(home.at("openings"), IsEmpty());
 }
 
+TEST_F(ExportFormatsTest, TheListOfObjectsTellsTheRoomThatExportsTell) {
+  result_of({"export", "json", "--home", path("my.home"), "-o", path("listed.json")});
+  const json exported = read_json("listed.json").at("things");
+  const json listed = result_of({"objects", "list", "--home", path("my.home")}).at("objects");
+  ASSERT_EQ(listed.size(), exported.size());
+  for (std::size_t i = 0; i < listed.size(); ++i) {
+    EXPECT_EQ(listed[i].at("room"), exported[i].at("room")) << listed[i].at("name");
+  }
+  const std::string text = run_roomwise({"objects", "list", "--home", path("my.home")}).output;
+  const std::size_t header = text.find("name ");
+  ASSERT_LT(header, text.find("canapé")) << text;
+  EXPECT_THAT(text.substr(header, text.find('\n', header) - header), HasSubstr("room"));
+}
+
 TEST_F(ExportFormatsTest, JsonPlacesThingsInTheirRooms) {
   result_of({"export", "json", "--home", path("my.home"), "-o", path("things.json")});
   const json things = read_json("things.json").at("things");

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -12,8 +13,10 @@
 #include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/pipeline/objects/keyframe_observer.h"
 #include "roomwise/pipeline/objects/proposal_detection.h"
+#include "roomwise/pipeline/rooms/home_layout.h"
 #include "roomwise/pipeline/stored/map_settings.h"
 #include "roomwise/pipeline/stored/stored_map.h"
+#include "roomwise/pipeline/stored/stored_rooms.h"
 
 namespace roomwise::app {
 namespace {
@@ -29,18 +32,56 @@ struct ObjectsOptions {
 struct Places {
   std::map<home::KeyframeId, home::Keyframe> keyframes;
   std::map<home::KeyframeId, std::vector<rooms::RoomScore>> rooms;
+  pipeline::KeyframeRooms named_rooms;
+  std::optional<pipeline::HomeLayout> layout;  // where the rooms lie, where that is known
 
   static Expected<Places> read(const home::Home& home) {
     Places places;
+    ROOMWISE_TRY(places.named_rooms, pipeline::rooms_of_keyframes(home));
     ROOMWISE_TRY(const std::vector<home::Keyframe> keyframes, home.keyframes());
     for (const home::Keyframe& keyframe : keyframes) places.keyframes[keyframe.id] = keyframe;
     ROOMWISE_TRY(places.rooms, home.keyframe_rooms());
     return places;
   }
+  // A home whose pictures are protected may not tell it; its things are told all the same.
+  Expected<void> find_layout(const home::Home& home, Context& context) {
+    CommandRun run(context);
+    auto found = pipeline::find_home_layout(home, run);
+    if (found) {
+      layout = *std::move(found);
+    } else if (found.error().code == ErrorCode::kInterrupted) {
+      return Unexpected(std::move(found).error());
+    } else {
+      context.progress.note(
+          fmt::format("rooms are those from which things were seen: {}", found.error().message));
+    }
+    return {};
+  }
   // Empty: not known.
   [[nodiscard]] std::string room_of(home::KeyframeId keyframe) const {
     const auto room = rooms.find(keyframe);
     return room == rooms.end() || room->second.empty() ? "" : room->second.front().room;
+  }
+  // That it stands in, as exports have it; else that from which it is seen best.
+  [[nodiscard]] std::string room_of(const pipeline::HomeThing& thing) const {
+    const home::Keyframe& keyframe = keyframes.at(thing.keyframe_id);
+    std::optional<Eigen::Vector3d> middle;
+    if (layout && keyframe.pose.component == 0) {
+      middle = layout->frame.on_plan(thing.box_world(keyframe.pose.world_from_keyframe).center());
+    }
+    return pipeline::room_of_thing(middle, keyframe.id, layout ? &layout->layout : nullptr,
+                                   named_rooms, thing.room)
+        .value_or(room_of(keyframe.id));
+  }
+};
+
+// What stands over the columns of things, as wide as their longest words.
+struct Columns {
+  std::size_t name = 4, room = 4;
+
+  [[nodiscard]] std::string header() const {
+    return fmt::format("{:<{}}  {:<{}}  sure   {:<24}  {:<9}  {:<20}  seen in key-frames; best\n",
+                       "name", name, "room", room, "x, y, z in the map, m", "+-, m", "size, m");
   }
 };
 
@@ -80,17 +121,18 @@ Json seen_json(const objects::Instance& instance, const HistoryWords& words) {
 }
 
 void add(Answer& answer, const pipeline::HomeThing& instance, const Places& places,
-         const HistoryWords& words) {
+         const HistoryWords& words, const Columns& columns) {
   const home::Keyframe& keyframe = places.keyframes.at(instance.keyframe_id);
-  const std::string room = instance.room.value_or(places.room_of(instance.keyframe_id));
+  const std::string room = places.room_of(instance);
   const geometry::OrientedBox box = instance.box_world(keyframe.pose.world_from_keyframe);
   const Eigen::Vector3d& at = box.center();
   answer.text += fmt::format(
-      "{:<16} {:.2f}  at {:.2f} {:.2f} {:.2f} m (+-{:.2f}), {:.2f} x {:.2f} x {:.2f} m, seen in {} "
-      "of {} key-frames, best {} (frame {}){}{}{}\n",
-      instance.name, instance.probability, at.x(), at.y(), at.z(), instance.sigma_m.maxCoeff(),
-      box.size_m.x(), box.size_m.y(), box.size_m.z(), instance.observations, instance.expected,
-      instance.keyframe_id, keyframe.frame_index, room.empty() ? "" : ", " + room,
+      "{:<{}}  {:<{}}  {:.2f}   {:<24}  {:<9}  {:<20}  {} of {}; {} (frame {}){}{}\n",
+      instance.name, columns.name, room.empty() ? "-" : room, columns.room, instance.probability,
+      fmt::format("{:.2f} {:.2f} {:.2f}", at.x(), at.y(), at.z()),
+      fmt::format("{:.2f}", instance.sigma_m.maxCoeff()),
+      fmt::format("{:.2f} x {:.2f} x {:.2f}", box.size_m.x(), box.size_m.y(), box.size_m.z()),
+      instance.observations, instance.expected, instance.keyframe_id, keyframe.frame_index,
       instance.is_confirmed ? ", by hand" : "",
       instance.note.empty() ? "" : fmt::format(", note: {}", instance.note));
   const network::PixelBox& picture = instance.picture_box;
@@ -114,8 +156,8 @@ void add(Answer& answer, const pipeline::HomeThing& instance, const Places& plac
   answer.json["objects"].back().update(seen_json(instance, words));
 }
 
-Expected<Answer> list_found(const home::Home& home, const std::string& rule) {
-  ROOMWISE_TRY(const Places places, Places::read(home));
+Expected<Answer> list_found(const home::Home& home, const std::string& rule, Context& context) {
+  ROOMWISE_TRY(Places places, Places::read(home));
   Answer answer;
   answer.json = {{"rule", rule}, {"objects", Json::array()}};
   if (rule == "paper") {
@@ -130,7 +172,14 @@ Expected<Answer> list_found(const home::Home& home, const std::string& rule) {
     }
     ROOMWISE_TRY(const pipeline::HomeThings things, pipeline::find_home_things(home));
     ROOMWISE_TRY(const HistoryWords words, HistoryWords::of(home));
-    for (const pipeline::HomeThing& one : things.things) add(answer, one, places, words);
+    if (!things.things.empty()) ROOMWISE_CHECK_OK(places.find_layout(home, context));
+    Columns columns;
+    for (const pipeline::HomeThing& one : things.things) {
+      columns.name = std::max(columns.name, one.name.size());
+      columns.room = std::max(columns.room, places.room_of(one).size());
+    }
+    if (!things.things.empty()) answer.text += columns.header();
+    for (const pipeline::HomeThing& one : things.things) add(answer, one, places, words, columns);
   }
   if (answer.text.empty()) answer.text = "no objects were found in this home\n";
   return answer;
@@ -214,7 +263,7 @@ Expected<Answer> list_past(const home::Home& home) {
 
 Expected<Answer> list(const ObjectsOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
-  return options.past ? list_past(home) : list_found(home, options.rule);
+  return options.past ? list_past(home) : list_found(home, options.rule, context);
 }
 
 // ---- objects history ----
@@ -344,7 +393,7 @@ Expected<Answer> find(const ObjectsOptions& options, Context& context) {
     ROOMWISE_CHECK_OK(pipeline::update_objects(home, rules));
   }
   ROOMWISE_TRY(Answer answer,
-               list_found(home, finders.in_pictures.empty() ? "paper" : options.rule));
+               list_found(home, finders.in_pictures.empty() ? "paper" : options.rule, context));
   add_stages(answer, run.clock);
   ROOMWISE_CHECK_OK(home.add_stage_timings(run.clock.stages()));
   return answer;
