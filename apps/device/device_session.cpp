@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <iostream>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -13,6 +14,19 @@ namespace {
 constexpr int kTick_ms = 20;
 // After the last frame of a recording, so long without a word from the computer ends the session.
 constexpr double kLastWord_s = 2;
+// Who is to be led on after the computer was away waits so long for a picture that tells where they
+// are: without one they would be told to turn.
+constexpr double kPlaced_s = 4;
+
+bool asks_to_be_led(service::Question question) {
+  return question == service::Question::kTakeMeTo || question == service::Question::kTakeMeBack;
+}
+
+// After these nobody is led any more.
+bool ends_guidance(std::string_view message) {
+  return message.starts_with("guide.there") || message == "guide.near_end" ||
+         message == "guide.ended" || message == "guide.not_running";
+}
 
 double steady_s(TimestampNs now_ns) {
   return static_cast<double>(now_ns) * kSecondsPerNs;
@@ -67,11 +81,13 @@ void DeviceSession::take_connection(TimestampNs now_ns) {
   heard_ns_ = now_ns;
   send(parts_.hello, now_ns);
   if (quiet_) send(service::Quiet{true}, now_ns);
+  if (lead_again_from_ns_) lead_again_from_ns_ = now_ns;
   if (news == service::DeviceLink::News::kBack) {
     parts_.voice->notice("device.connection_back", guide::Sound::kBack, now_ns);
   } else {
     parts_.voice->notice("device.ready", guide::Sound::kBack, now_ns);
   }
+  if (!parts_.camera) lead_again(now_ns);  // no picture will come
 }
 
 // Said once, and not with every try.
@@ -95,9 +111,14 @@ void DeviceSession::lose(const std::string& why, TimestampNs now_ns) {
   asked_.clear();  // no answers will come
   recording_.clear();
   is_teaching_ = false;  // the computer forgets what was shown
-  if (link_.failed(steady_s(now_ns)) == service::DeviceLink::News::kLost) {
-    parts_.voice->notice("device.connection_lost", guide::Sound::kLost, now_ns);
+  if (link_.failed(steady_s(now_ns)) != service::DeviceLink::News::kLost) return;
+  if (!led_by_) {
+    return parts_.voice->notice("device.connection_lost", guide::Sound::kLost, now_ns);
   }
+  // Who walks by the words of a computer that is gone hears it at once, over them.
+  lead_again_from_ns_ = now_ns;
+  parts_.voice->withdraw_answers(now_ns);
+  parts_.voice->notice("device.connection_lost_led", guide::Sound::kLost, now_ns);
 }
 
 void DeviceSession::receive(TimestampNs now_ns) {
@@ -130,6 +151,8 @@ void DeviceSession::take(const service::HomeMessage& message, TimestampNs now_ns
     take_recording(*recording, now_ns);
   } else if (const auto* said = std::get_if<service::PromptMessage>(&message)) {
     take_prompt(*said, now_ns);
+  } else if (const auto* seen = std::get_if<service::Seen>(&message)) {
+    lead_on(*seen, now_ns);
   }
 }
 
@@ -139,8 +162,9 @@ void DeviceSession::take_prompt(const service::PromptMessage& message, Timestamp
     if (*message.answer_to < newest_answered_) return;
     if (*message.answer_to > newest_answered_) parts_.voice->withdraw_answers(now_ns);
     newest_answered_ = *message.answer_to;
-    asked_.erase(*message.answer_to);
   }
+  watch_guide(message);
+  if (message.answer_to) asked_.erase(*message.answer_to);
   watch_teaching(message.message);
   auto prompt = service::prompt_of(message);
   if (!prompt) {
@@ -157,6 +181,32 @@ void DeviceSession::watch_teaching(const std::string& message) {
   for (const char* const end : {"teach.learning", "teach.stopped", "teach.no_camera"}) {
     if (message == end) is_teaching_ = false;
   }
+}
+
+// What somebody is led by: a question that the guide itself answers.
+void DeviceSession::watch_guide(const service::PromptMessage& message) {
+  const bool is_of_guide = message.key == "guide";
+  const auto asked = message.answer_to ? asked_.find(*message.answer_to) : asked_.end();
+  if (asked != asked_.end() && asked->second.question != service::Question::kGuide) {
+    if (is_of_guide) led_by_ = asked->second;
+    if (!is_of_guide && asks_to_be_led(asked->second.question)) led_by_.reset();
+    if (is_of_guide) lead_again_from_ns_.reset();
+  }
+  if (ends_guidance(message.message)) led_by_.reset();
+  if (!led_by_) lead_again_from_ns_.reset();
+}
+
+void DeviceSession::lead_on(const service::Seen& seen, TimestampNs now_ns) {
+  const bool has_waited =
+      lead_again_from_ns_ && seconds_between(*lead_again_from_ns_, now_ns) > kPlaced_s;
+  if (seen.position || has_waited) lead_again(now_ns);
+}
+
+// The computer that came back knows nothing of who was led: the device asks in their place.
+void DeviceSession::lead_again(TimestampNs now_ns) {
+  if (!led_by_ || !lead_again_from_ns_ || is_paused_) return;
+  lead_again_from_ns_.reset();
+  ask(*led_by_, now_ns);
 }
 
 void DeviceSession::take_recording(const service::RecordingState& recording, TimestampNs now_ns) {
@@ -178,9 +228,9 @@ void DeviceSession::take_error(const service::ErrorMessage& error, TimestampNs n
   if (!error.answer_to) return;
   const auto asked = asked_.find(*error.answer_to);
   if (asked == asked_.end()) return;
-  const bool names_a_thing = asked->second == service::Question::kWhereIs ||
-                             asked->second == service::Question::kWayTo ||
-                             asked->second == service::Question::kTakeMeTo;
+  const bool names_a_thing = asked->second.question == service::Question::kWhereIs ||
+                             asked->second.question == service::Question::kWayTo ||
+                             asked->second.question == service::Question::kTakeMeTo;
   asked_.erase(asked);
   parts_.voice->notice(names_a_thing ? "device.not_understood" : "device.failed",
                        guide::Sound::kUnsure, now_ns);
@@ -289,6 +339,13 @@ void DeviceSession::ask(service::Question question, const std::string& subject,
 }
 
 void DeviceSession::tell_guide(service::GuideWish wish, TimestampNs now_ns) {
+  using service::GuideWish;
+  if (wish == GuideWish::kEnd) led_by_.reset();
+  if (wish == GuideWish::kPause) is_paused_ = true;
+  if (wish == GuideWish::kResume) {
+    is_paused_ = false;
+    if (connection_ && led_by_ && lead_again_from_ns_) return lead_again(now_ns);
+  }
   service::Ask ask;
   ask.question = service::Question::kGuide;
   ask.wish = wish;
@@ -303,7 +360,8 @@ void DeviceSession::ask(service::Ask ask, TimestampNs now_ns) {
   }
   ask.id = ++questions_;
   ask.t_ms = static_cast<double>(now_ns) * 1e-6;
-  asked_[ask.id] = ask.question;
+  asked_[ask.id] = ask;
+  if (asks_to_be_led(ask.question)) is_paused_ = false;
   heard_ns_ = now_ns;  // the answer is waited for
   send(ask, now_ns);
 }

@@ -5,6 +5,7 @@
 #include <future>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -56,6 +57,9 @@ class DeviceSession : private Interruption {
   void take(const service::HomeMessage& message, TimestampNs now_ns);
   void take_prompt(const service::PromptMessage& message, TimestampNs now_ns);
   void watch_teaching(const std::string& message);
+  void watch_guide(const service::PromptMessage& message);
+  void lead_on(const service::Seen& seen, TimestampNs now_ns);
+  void lead_again(TimestampNs now_ns);
   void take_recording(const service::RecordingState& recording, TimestampNs now_ns);
   void take_error(const service::ErrorMessage& error, TimestampNs now_ns);
   void watch_camera(TimestampNs now_ns);
@@ -73,10 +77,14 @@ class DeviceSession : private Interruption {
   std::vector<std::string> things_;
   std::size_t next_thing_ = 0;
   std::int64_t questions_ = 0;
-  std::int64_t newest_answered_ = 0;                 // of the questions
-  std::map<std::int64_t, service::Question> asked_;  // and not answered
-  std::string role_;                                 // of this device
-  std::string recording_;                            // its last state
+  std::int64_t newest_answered_ = 0;            // of the questions
+  std::map<std::int64_t, service::Ask> asked_;  // and not answered
+  // By what somebody is led, while they are: the computer forgets it where it begins anew.
+  std::optional<service::Ask> led_by_;
+  std::optional<TimestampNs> lead_again_from_ns_;  // is to be asked anew, since then
+  bool is_paused_ = false;                         // they do not want to hear of it now
+  std::string role_;                               // of this device
+  std::string recording_;                          // its last state
   std::uint64_t prompts_ = 0;
   bool camera_failed_ = false;
   bool quiet_ = false;

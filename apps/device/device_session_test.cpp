@@ -147,6 +147,11 @@ class AnsweringHome final : public service::SocketHandler {
         out_->send_text(write(service::HomeMessage(service::ErrorMessage{"refused", ask.id})));
       } else if (ask.question == service::Question::kAroundMe) {
         for (const char* key : {"around", "around/2", "around/3"}) say(ask, key, "Bed.");
+      } else if (ask.question == service::Question::kTakeMeTo) {
+        say(ask, "guide", "To the " + ask.subject + ".", "guide.begin");
+      } else if (ask.question == service::Question::kGuide) {
+        say(ask, "guide", "As you wish.",
+            ask.wish == service::GuideWish::kEnd ? "guide.ended" : "guide.paused");
       } else if (ask.question == service::Question::kTeachThing) {
         say(ask, "teaching", "Show it.", "teach.begin");
       } else if (ask.question == service::Question::kNameThing) {
@@ -280,6 +285,103 @@ TEST_F(DeviceSessionTest, GoesOnAfterTheServerWasAway) {
   EXPECT_EQ(session_->counts().losses, 1u);
   ASSERT_EQ(home_.hellos.size(), 2u);
   EXPECT_EQ(home_.hellos[1].name, "Cap");
+}
+
+class LedSessionTest : public DeviceSessionTest {
+ protected:
+  // Led to the bed, until the server goes and comes back.
+  void lose_the_server_and_find_it(const char* typed_meanwhile) {
+    EXPECT_TRUE(speaker_->hears("Ready."));
+    type("g bed\n");
+    EXPECT_TRUE(speaker_->hears("To the bed."));
+    server_->stop();
+    EXPECT_TRUE(speaker_->hears("Stop. The connection is lost."));
+    if (*typed_meanwhile != '\0') {
+      type(typed_meanwhile);
+      EXPECT_TRUE(speaker_->hears("lost.\nThe connection is lost.")) << "the key was seen";
+    }
+    start_server();
+    EXPECT_TRUE(speaker_->hears("Connected again."));
+    EXPECT_TRUE(home_.has_more_frames(2));
+  }
+  void see_a_place() {
+    service::Seen seen;
+    seen.position = service::SeenPosition{1, 2, 1.5, 90, 0.02};
+    home_.say(seen);
+  }
+  [[nodiscard]] std::size_t asked() {
+    std::size_t count = 0;
+    home_.signal.change([&] { count = home_.asks.size(); });
+    return count;
+  }
+};
+
+TEST_F(LedSessionTest, IsLedOnAfterTheServerWasAwayAsSoonAsItSeesThePlace) {
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
+  lose_the_server_and_find_it("");
+  EXPECT_EQ(asked(), 1u) << "nobody knows yet where they are";
+  see_a_place();
+  EXPECT_TRUE(home_.signal.wait([&] { return home_.asks.size() == 2; }));
+  EXPECT_TRUE(home_.has_more_frames(1));
+  see_a_place();
+  EXPECT_TRUE(home_.has_more_frames(2));
+  type("x");
+  running.join();
+  ASSERT_EQ(home_.asks.size(), 2u) << "asked once";
+  EXPECT_EQ(home_.asks[1].question, service::Question::kTakeMeTo);
+  EXPECT_EQ(home_.asks[1].subject, "bed");
+  EXPECT_GT(home_.asks[1].id, home_.asks[0].id);
+  EXPECT_GT(home_.asks[1].t_ms, home_.asks[0].t_ms);
+}
+
+TEST_F(LedSessionTest, IsNotLedOnWhoEndedItMeanwhile) {
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
+  lose_the_server_and_find_it("e");
+  see_a_place();
+  EXPECT_TRUE(home_.has_more_frames(3));
+  type("x");
+  running.join();
+  EXPECT_EQ(home_.asks.size(), 1u);
+}
+
+TEST_F(LedSessionTest, IsLedOnWhoPausedOnceTheyGoOn) {
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
+  lose_the_server_and_find_it("p");
+  see_a_place();
+  EXPECT_TRUE(home_.has_more_frames(3));
+  EXPECT_EQ(asked(), 1u);
+  type("o");
+  EXPECT_TRUE(home_.signal.wait([&] { return home_.asks.size() == 2; }));
+  type("x");
+  running.join();
+  EXPECT_EQ(home_.asks.back().question, service::Question::kTakeMeTo);
+}
+
+TEST_F(LedSessionTest, IsNotLedOnWhoHasArrived) {
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  type("g bed\n");
+  EXPECT_TRUE(speaker_->hears("To the bed."));
+  service::PromptMessage there;
+  there.key = "guide";
+  there.message = "guide.there_ahead";
+  there.text = "You are there.";
+  there.language = "en";
+  there.priority = "answer";
+  there.confidence = "sure";
+  there.sound = "back";
+  there.valid_until_t_ms = 1e12;
+  home_.say(there);
+  EXPECT_TRUE(speaker_->hears("You are there."));
+  server_->stop();
+  EXPECT_TRUE(speaker_->hears("there.\nThe connection is lost."));
+  start_server();
+  EXPECT_TRUE(speaker_->hears("Connected again."));
+  see_a_place();
+  EXPECT_TRUE(home_.has_more_frames(3));
+  type("x");
+  running.join();
+  EXPECT_EQ(home_.asks.size(), 1u);
 }
 
 TEST_F(DeviceSessionTest, AsksWhatIsTypedAndSpeaksTheAnswers) {
