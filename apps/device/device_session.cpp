@@ -81,7 +81,6 @@ void DeviceSession::take_connection(TimestampNs now_ns) {
   heard_ns_ = now_ns;
   send(parts_.hello, now_ns);
   if (quiet_) send(service::Quiet{true}, now_ns);
-  if (lead_again_from_ns_) lead_again_from_ns_ = now_ns;
   if (news == service::DeviceLink::News::kBack) {
     parts_.voice->notice("device.connection_back", guide::Sound::kBack, now_ns);
   } else {
@@ -108,6 +107,7 @@ void DeviceSession::lose(const std::string& why, TimestampNs now_ns) {
   if (!connection_) return;
   std::cerr << why << '\n';
   connection_.reset();
+  sees_places_ = false;
   asked_.clear();  // no answers will come
   recording_.clear();
   is_teaching_ = false;  // the computer forgets what was shown
@@ -143,6 +143,10 @@ void DeviceSession::take(const service::HomeMessage& message, TimestampNs now_ns
   if (const auto* welcome = std::get_if<service::Welcome>(&message)) {
     things_ = welcome->things;
     role_ = welcome->role;
+    // From now on, if it did not before: a computer that has just begun makes its map ready.
+    const bool begins_to_see = welcome->sees_places && !std::exchange(sees_places_, true);
+    sees_places_ = welcome->sees_places;
+    if (begins_to_see && lead_again_from_ns_) lead_again_from_ns_ = now_ns;
   } else if (const auto* arrived = std::get_if<service::FrameArrived>(&message)) {
     link_.acknowledged(arrived->t_ms, steady_s(now_ns));
   } else if (const auto* error = std::get_if<service::ErrorMessage>(&message)) {
@@ -197,8 +201,8 @@ void DeviceSession::watch_guide(const service::PromptMessage& message) {
 }
 
 void DeviceSession::lead_on(const service::Seen& seen, TimestampNs now_ns) {
-  const bool has_waited =
-      lead_again_from_ns_ && seconds_between(*lead_again_from_ns_, now_ns) > kPlaced_s;
+  const bool has_waited = lead_again_from_ns_ && sees_places_ &&
+                          seconds_between(*lead_again_from_ns_, now_ns) > kPlaced_s;
   if (seen.position || has_waited) lead_again(now_ns);
 }
 

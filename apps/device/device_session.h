@@ -82,6 +82,7 @@ class DeviceSession : private Interruption {
   // By what somebody is led, while they are: the computer forgets it where it begins anew.
   std::optional<service::Ask> led_by_;
   std::optional<TimestampNs> lead_again_from_ns_;  // is to be asked anew, since then
+  bool sees_places_ = false;                       // the computer
   bool is_paused_ = false;                         // they do not want to hear of it now
   std::string role_;                               // of this device
   std::string recording_;                          // its last state
