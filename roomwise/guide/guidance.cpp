@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "roomwise/guide/floor_search.h"
+#include "roomwise/guide/in_room.h"
 #include "roomwise/guide/obstacle.h"
 
 namespace roomwise::guide {
@@ -98,8 +99,13 @@ Prompt Guidance::say_to_turn(const Phrase& phrase, TimestampNs now_ns, Confidenc
   return prompt;
 }
 
+// Rather less than more: who stops short is told the rest, who goes too far has to come back. Going
+// too far costs twice, so a third of the roundings may.
 std::string Guidance::distance(double distance_m) const {
-  return wording_.distance(distance_m);
+  constexpr double kLess = 0.5 - 1.0 / 3;
+  constexpr double kHalfMetre_m = 0.5;
+  const bool in_steps = wording_.style.distances == DistanceUnit::kSteps;
+  return wording_.distance(distance_m - kLess * (in_steps ? wording_.style.step_m : kHalfMetre_m));
 }
 
 // What will be left when it has been heard: who walks goes on meanwhile.
@@ -142,6 +148,7 @@ void Guidance::plan_from(const Pose& pose) {
          (left_on_leg_m(pose) < kLegEnd_m || may_skip_leg(pose))) {
     ++leg_;
   }
+  if (was_barred_here(pose)) step_clear(pose);
   passes_door_ = leg_ > 0 && legs_[leg_ - 1].ends_at_door;
   announced_ = false;
   reminded_ = false;
@@ -151,15 +158,49 @@ void Guidance::plan_from(const Pose& pose) {
 // Up to a thing one walks until a hand or a cane is at it: the last leg goes on to where the body
 // would touch it.
 void Guidance::reach_out() {
-  if (legs_.empty() || goal_.kind == Goal::Kind::kRoom || goal_.kind == Goal::Kind::kDoor) return;
-  Leg& last = legs_.back();
-  const Vector2d towards = plan_.touch_gravity - last.to;
-  const double further_m = std::min(towards.norm() - options_.body_radius_m, kHand_m / 2);
+  if (goal_.kind == Goal::Kind::kRoom || goal_.kind == Goal::Kind::kDoor) return;
+  const Vector2d from = legs_.empty() ? plan_.route.back() : legs_.back().to;
+  const Vector2d towards = plan_.touch_gravity - from;
+  double further_m = std::min(towards.norm() - options_.body_radius_m, kHand_m / 2);
+  const auto end = [&] { return Vector2d(from + further_m * towards.normalized()); };
+  // As far as the body fits; the rest is for a hand.
+  const auto fits = [&] { return map_.floor->fits(end(), options_.plan.narrow_radius_m); };
+  while (further_m > 0 && !fits()) further_m -= map_.floor->cell_m();
   if (further_m <= 0) return;
-  const Vector2d end = last.to + further_m * towards.normalized();
-  if (map_.floor->at(end) != fusion::FloorCell::kFree) return;
-  last.to = end;
-  last.length_m += further_m;
+  if (legs_.empty()) {
+    if (further_m > kAtEnd_m) legs_.push_back({from, end(), further_m});
+    return;
+  }
+  legs_.back().length_m += further_m;
+  legs_.back().to = end();
+}
+
+// Somebody who stands nearer to what is beside them than ways lead is barred where they go straight
+// to the leg's end: first a step to where the way is clear.
+void Guidance::step_clear(const Pose& pose) {
+  if (legs_.empty() || legs_[leg_].stairs) return;
+  const Vector2d& here = pose.position_gravity;
+  const double narrow_m =
+      std::clamp(clearance_m(floor(), here) - kSlack_m, 0.0, options_.plan.narrow_radius_m);
+  const FloorSearch search(floor(), narrow_m, narrow_m);
+  if (search.is_clear(here, legs_[leg_].to, narrow_m)) return;
+  std::optional<Vector2d> farthest;
+  for (std::size_t i = 0; i + 1 < plan_.route.size(); ++i) {
+    const Vector2d along = plan_.route[i + 1] - plan_.route[i];
+    const int parts = std::max(1, static_cast<int>(std::ceil(along.norm() / floor().cell_m())));
+    for (int part = 0; part <= parts; ++part) {
+      const Vector2d place = plan_.route[i] + along * part / parts;
+      if ((place - here).norm() < kAtEnd_m || !search.is_clear(here, place, narrow_m)) continue;
+      farthest = place;
+    }
+    if (plan_.route[i + 1] == legs_[leg_].to) break;
+  }
+  if (!farthest) return;
+  Leg& next = legs_[leg_];
+  next.from = *farthest;
+  next.length_m = (next.to - next.from).norm();
+  legs_.insert(legs_.begin() + static_cast<std::ptrdiff_t>(leg_),
+               Leg{here, *farthest, (*farthest - here).norm(), false, {}});
 }
 
 // A leg of less than a step, which only leads to where one may go at once.
@@ -243,6 +284,11 @@ bool Guidance::is_at_goal(const Pose& pose) const {
   if (plan_.reach != Reach::kWhole || !is_in_goal_room(pose)) return false;
   const Vector2d& end = legs_.empty() ? plan_.route.back() : legs_.back().to;
   const double to_end_m = (end - pose.position_gravity).norm();
+  // Not from where it is the next room to some.
+  const bool may_be_between = map_.layout == nullptr || !goal_.room ||
+                              goal_.kind == Goal::Kind::kDoor ||
+                              !is_well_inside(map_, *goal_.room, end);
+  if (!may_be_between && !is_well_inside(map_, *goal_.room, pose.position_gravity)) return false;
   // Anywhere beyond the door is in the room, but who stands in the door is not.
   if (goal_.kind == Goal::Kind::kRoom) {
     return to_end_m < kAtEnd_m ||
@@ -254,7 +300,8 @@ bool Guidance::is_at_goal(const Pose& pose) const {
   // What stands on something is reached from where the way ends; a spot is stood on, and so is what
   // lies so low that the floor counts as free.
   const bool is_low = map_.floor->at(goal_.outline->nearest_to(end)) == fusion::FloorCell::kFree;
-  const double body_m = is_low && goal_.kind != Goal::Kind::kDoor ? 0 : options_.body_radius_m;
+  const bool is_door = goal_.kind == Goal::Kind::kDoor;
+  const double body_m = is_low || is_door ? 0 : options_.body_radius_m;
   return to_end_m < kAtEnd_m ||
          goal_.outline->distance_m(pose.position_gravity) <= options_.arrived_m + body_m - kSlack_m;
 }
@@ -868,7 +915,9 @@ Prompt Guidance::arrive(const Pose& pose, TimestampNs now_ns) {
     phrase.values = {{"room", room(*goal_.room)}};
     finished_ = 1;
   } else {
-    const Vector2d touch = goal_.outline->nearest_to(pose.position_gravity);
+    const Vector2d touch = goal_.kind == Goal::Kind::kDoor
+                               ? goal_.outline->middle_gravity
+                               : goal_.outline->nearest_to(pose.position_gravity);
     phrase = {with_side("guide.there", touch, pose), {{"goal", Nouns{goal_.noun}}}};
   }
   Prompt prompt = say(phrase, now_ns);
@@ -942,6 +991,14 @@ std::optional<Prompt> Guidance::finish(TimestampNs now_ns) {
 }
 
 // ---- requests ----
+
+// As near as the way leads; anywhere in a room.
+bool Guidance::is_in_reach(const Pose& pose) const {
+  if (!goal_.outline || goal_.kind == Goal::Kind::kRoom) return true;
+  const double at_end_m = goal_.outline->distance_m(plan_.route.back());
+  return goal_.outline->distance_m(pose.position_gravity) <=
+         std::max(options_.arrived_m + options_.body_radius_m, at_end_m);
+}
 
 // What a cane found and no camera sees: a person's width across the way, as deep as a hand reaches
 // beyond a step.
@@ -1056,7 +1113,9 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
       if (state_ == State::kStairs) return say_stairs(now_ns);  // the steps themselves
       // What is in the way at the end of the way is the goal, or what it stands on.
       if (plan_.reach == Reach::kWhole && is_last_leg() && left_m(*pose) < 2 * kLegEnd_m) {
-        return arrive(*pose, now_ns);
+        // Unless they are farther from it than they could be, and have not tried yet.
+        if (is_in_reach(*pose) || was_barred_here(*pose)) return arrive(*pose, now_ns);
+        count_barred(*pose);
       }
       bar_what_is_ahead(*pose);
       Prompt prompt = act(*pose, now_ns);

@@ -146,6 +146,7 @@ class Guidance {
   [[nodiscard]] Prompt end_of_way(const Pose& pose, TimestampNs now_ns);
   void plan_from(const Pose& pose);
   void reach_out();
+  void step_clear(const Pose& pose);
   [[nodiscard]] bool may_skip_leg(const Pose& pose) const;
   [[nodiscard]] bool comes_to_rest(const Pose& pose) const;
   [[nodiscard]] const fusion::FloorGrid& floor() const {
@@ -160,6 +161,7 @@ class Guidance {
   [[nodiscard]] std::optional<InTheWay> in_the_way(const Pose& pose) const;
   [[nodiscard]] bool is_on_map(const Eigen::Vector2d& obstacle) const;
   [[nodiscard]] bool is_goal(const Eigen::Vector2d& obstacle) const;
+  [[nodiscard]] bool is_in_reach(const Pose& pose) const;
   void bar_what_is_ahead(const Pose& pose);
   void bar_what_is_seen();
   void bar(std::span<const Eigen::Vector2d> middles, double radius_m);

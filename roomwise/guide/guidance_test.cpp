@@ -19,6 +19,7 @@ using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::StartsWith;
 using State = Guidance::State;
 
@@ -643,6 +644,45 @@ TEST_F(GuidanceTest, APlaceThatNobodyWalksToIsNotBelievedAtOnce) {
   EXPECT_EQ(guidance_->state(), State::kWalking);
 }
 
+TEST_F(GuidanceTest, WhoIsBarredShortOfTheThingHasNotArrivedYet) {
+  grid_ = testing::two_rooms().fill({68, 3}, {78, 13}, FloorCell::kOccupied).grid();
+  lead_to(bed_at({7.3, 0.8}, "kitchen"), {5.4, 0.8}, 0.5);
+  (void)hear(8);
+  ASSERT_EQ(guidance_->state(), State::kWalking);
+  place_ = {6.2, 1.1};
+  (void)hear(1);
+  EXPECT_THAT(ask(GuidanceRequest::kBlocked), Not(HasSubstr("You are there")))
+      << "the bed is 0.6 m beside the way";
+  place_ = {6.4, 1.2};
+  (void)hear(6);
+  EXPECT_THAT(ask(GuidanceRequest::kBlocked), StartsWith("You are there"));
+}
+
+TEST_F(GuidanceTest, WhoIsBarredBesideAPassageIsLedBeforeItFirst) {
+  // From 1 m to 1.7 m, below y = 2.
+  grid_ = testing::two_rooms()
+              .fill({1, 1}, {10, 20}, FloorCell::kOccupied)
+              .fill({17, 1}, {40, 20}, FloorCell::kOccupied)
+              .grid();
+  has_rooms_ = false;
+  lead_to(bed_at({1.35, -0.4}, "bedroom"), {1.55, 2.3}, -1.75);
+  (void)hear(6);
+  const auto end = guidance_->next_place();
+  ASSERT_TRUE(end);
+  EXPECT_GT((*end - place_).norm(), 1);
+  EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I know no way around it.");
+  (void)hear(4);
+  const auto next = guidance_->next_place();
+  ASSERT_TRUE(next);
+  EXPECT_LT((*next - place_).norm(), 1) << "a step, to where the passage lies ahead";
+  EXPECT_LT(next->x(), 1.5);
+}
+
+TEST_F(GuidanceTest, StepsAreRatherTooFewThanTooMany) {
+  lead_to(room("kitchen"), {3.03, 3.45}, 0);  // the door is 2.1 steps ahead, the goal 3.5
+  EXPECT_EQ(hear(1), std::vector<std::string>{"To the kitchen: about 3 steps."});
+}
+
 TEST_F(GuidanceTest, WhereNothingButRoomsIsKnownTheyAreTold) {
   Goal goal = bed_at({7.3, 0.8}, "kitchen");
   goal.outline.reset();
@@ -656,7 +696,7 @@ TEST_F(GuidanceTest, WhereNoSafeWayIsKnownItLeadsNearAndTellsTheRest) {
   grid_ = testing::two_rooms().fill({19, 1}, {40, 39}, FloorCell::kUnknown).grid();
   lead_to(bed_at({3.5, 3.4}, "bedroom"), {0.6, 3.45}, 0);
   EXPECT_THAT(hear(9), ElementsAre("I know no safe way there.", "I bring you as near as I know.",
-                                   "Straight on, 3 steps."));
+                                   "Straight on, 2 steps."));
   std::vector<std::string> said;
   while (said.empty()) said = hear(0.2, 0.5);
   (void)hear(1, 0.2);

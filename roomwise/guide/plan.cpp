@@ -7,6 +7,7 @@
 #include <map>
 
 #include "roomwise/guide/floor_search.h"
+#include "roomwise/guide/in_room.h"
 
 namespace roomwise::guide {
 namespace {
@@ -104,8 +105,12 @@ class Planner {
     if (distance_m > options_.arm_m) return std::nullopt;
     const bool knows_room = map_.layout != nullptr && goal_.room;
     const bool any_side = goal_.kind == Goal::Kind::kDoor;
-    if (knows_room && !any_side && map_.room_at(place) != goal_.room) return std::nullopt;
-    return options_.reach_weight * distance_m;
+    const bool must_be_inside = knows_room && !any_side;
+    if (must_be_inside && map_.room_at(place) != goal_.room) return std::nullopt;
+    // Rather a little farther from it than between two rooms.
+    constexpr double kBetween_m = 0.3;
+    const bool is_between = must_be_inside && !is_well_inside(map_, *goal_.room, place);
+    return options_.reach_weight * (distance_m + (is_between ? kBetween_m : 0));
   }
 
   // Inside, beyond the door; where the room is smaller than that, as far in as there is floor.
@@ -115,6 +120,7 @@ class Planner {
     for (const rooms::Doorway& doorway : goal_doorways_) {
       from_door_m = std::min(from_door_m, (place - doorway.middle_gravity).norm());
     }
+    if (!is_well_inside(map_, *goal_.room, place)) from_door_m = 0;
     constexpr double kShallow = 10;  // a metre less deep
     return kShallow * (options_.into_room_m - from_door_m);
   }
@@ -212,7 +218,8 @@ Goal Goal::of(const rooms::Doorway& door) {
   goal.kind = Kind::kDoor;
   goal.noun = {Noun::Kind::kThing, "door"};
   goal.room = door.rooms[0];
-  goal.outline = Outline{door.middle_gravity};
+  // As wide as it is: who stands before its frame is at it.
+  goal.outline = Outline{door.middle_gravity, Vector2d::Constant(door.width_m)};
   return goal;
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/guide/in_room.h"
 #include "roomwise/guide/legs.h"
 #include "roomwise/guide/testing/drawn_floor.h"
 
@@ -51,6 +52,16 @@ class TwoRoomsTest : public ::testing::Test {
   FloorGrid grid;
   rooms::RoomLayout layout;
 };
+
+TEST_F(TwoRoomsTest, TheWayToAThingBesideTheDoorEndsInItsRoomWithTheWholeBody) {
+  draw(testing::two_rooms().fill({42, 25}, {45, 29}, FloorCell::kOccupied));
+  const Plan way =
+      plan(standing_at({1, 3.45}), thing_at({4.35, 2.7}, {0.3, 0.4}, std::string("kitchen")));
+  ASSERT_EQ(way.reach, Reach::kWhole);
+  const HomeMap map{&grid, &layout, layout.doorways(), {}};
+  EXPECT_FALSE(is_well_inside(map, "kitchen", {4.2, 3.45})) << "in the door's frame";
+  EXPECT_TRUE(is_well_inside(map, "kitchen", way.route.back())) << way.route.back().transpose();
+}
 
 TEST(OutlineTest, TellsTheNearestPointOfATurnedRectangle) {
   const Outline outline{{1, 1}, {2, 0.5}, std::numbers::pi / 2};  // 2 m along y
