@@ -13,6 +13,7 @@ const kSounds: Partial<Record<SpokenKey, Sound>> = {
   'device.camera_back': 'back',
   'device.connecting': 'none',
   'device.connection_lost': 'lost',
+  'device.connection_lost_led': 'lost',
   'device.connection_back': 'back',
   'device.removed': 'alert',
   'device.failed': 'unsure',

@@ -12,16 +12,13 @@ import { CameraWatch, type CameraNews } from './camera_watch';
 import { ConnectionWatch, kLookEveryMs, type ConnectionNews } from './connection_watch';
 import { FrameSender, kFrameGapMs } from './frame_sender';
 import { goalsOf, type Goal } from './goals';
+import { endsGuidance, LedAgain } from './led_again';
 import { ownPrompt } from './own_prompt';
 import { PictureFlow } from './picture_flow';
 import { measureQuality, troubleOf } from '../shared/picture_quality';
 import type { PictureSource } from '../shared/picture_source';
 import type { PromptPlayer } from './prompt_player';
 import type { Settings } from './settings';
-
-// After these the guide has nothing more to do, but for how high to reach.
-const kEndsOfGuidance = ['guide.there', 'guide.ended', 'guide.near_end', 'guide.not_running', 'where.unknown', 'where.no_way_out',
-  'spot.no_way_back'];
 
 // Whether somebody shows a thing to the camera, and whether enough of it was seen to name it.
 export type Teaching = 'no' | 'showing' | 'shown';
@@ -53,6 +50,7 @@ export class Phone {
   private readonly session: Session;
   private readonly sender = new FrameSender();
   private readonly answers = new AnswerWatch();
+  private readonly ledAgain = new LedAgain();
   private readonly connection = new ConnectionWatch(performance.now());
   private readonly cameraWatch = new CameraWatch();
   private readonly pictures = new PictureFlow();
@@ -105,12 +103,18 @@ export class Phone {
     this.whenAsked();
     this.player.withdrawAnswers();
     const now = performance.now();
+    const again = this.ledAgain.wish(question);
+    if (again !== null && this.session.online) {
+      this.ask(again); // instead of going on with what the computer has forgotten
+      return;
+    }
     const id = this.session.ask(question, now);
     if (id === null) {
       this.say('device.connection_lost', 'answer');
     } else {
       this.lastAsked = id;
       this.inWords = question.question === 'in_words' ? id : this.inWords;
+      this.ledAgain.ask(id, question);
       this.answers.ask(id, now);
     }
   }
@@ -202,8 +206,12 @@ export class Phone {
     switch (message.type) {
       case 'welcome':
       case 'home':
+        this.ledAgain.sees(message.sees_places === true, performance.now());
         this.learnHome(message);
         break;
+      case 'seen':
+        this.leadOn(this.ledAgain.seen(message.position !== null, performance.now()));
+        return;
       case 'prompt':
         this.tellPrompt(message);
         break;
@@ -221,7 +229,7 @@ export class Phone {
       case 'job':
         this.whenJob(message);
         return;
-      default: // `seen` is for showing; the rest is for helpers
+      default: // the rest is for helpers
         return;
     }
     this.changed();
@@ -240,10 +248,17 @@ export class Phone {
         this.whenShown();
       }
     }
-    if (kEndsOfGuidance.some((end) => prompt.message.startsWith(end))) {
+    this.ledAgain.heard(prompt);
+    if (endsGuidance(prompt)) {
       this.state.led = false;
     } else if (prompt.key === 'guide' && prompt.answer_to !== null && prompt.answer_to === this.inWords) {
       this.state.led = true; // a way was asked for in words
+    }
+  }
+
+  private leadOn(question: Question | null): void {
+    if (question !== null) {
+      this.ask(question);
     }
   }
 
@@ -280,6 +295,9 @@ export class Phone {
     this.sender.reset();
     this.answers.reset();
     this.connection.offline(performance.now());
+    if (wasOnline && this.ledAgain.lost()) {
+      this.player.withdrawAnswers(); // words of a computer that is gone: nobody is to walk by them
+    }
     if (!wasOnline) {
       void this.identify(); // the socket was closed before it opened: perhaps this device was removed
     }
@@ -401,7 +419,9 @@ export class Phone {
   }
 
   private tellConnection(news: ConnectionNews): void {
-    if (news) {
+    if (news === 'lost' && this.state.led) {
+      this.say('device.connection_lost_led');
+    } else if (news) {
       this.say(this.everOnline || news === 'back' ? `device.connection_${news}` : 'device.connecting');
     }
   }
