@@ -120,12 +120,13 @@ class OutlineTracer {
     do {
       // Where the outline comes back to a corner, what it went round since is a ring of its own.
       const auto key = std::pair(corner.x(), corner.y());
-      if (const auto before = when.find(key); before != when.end()) {
-        take({passed.begin() + static_cast<std::ptrdiff_t>(before->second), passed.end()});
-        for (std::size_t i = before->second; i < passed.size(); ++i) {
+      if (const auto found = when.find(key); found != when.end()) {
+        const std::size_t before = found->second;  // this corner itself is among those forgotten
+        take({passed.begin() + static_cast<std::ptrdiff_t>(before), passed.end()});
+        for (std::size_t i = before; i < passed.size(); ++i) {
           when.erase({passed[i].corner.x(), passed[i].corner.y()});
         }
-        passed.resize(before->second);
+        passed.resize(before);
       }
       when[key] = passed.size();
       passed.push_back({corner, left_cell(corner, direction)});
