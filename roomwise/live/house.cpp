@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "roomwise/live/home_routes.h"
 #include "roomwise/service/request_checks.h"
