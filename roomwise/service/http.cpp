@@ -43,6 +43,10 @@ HttpAnswer error_answer(int status, std::string_view what) {
   return json_answer({{"error", what}}, status);
 }
 
+HttpAnswer answer_to_a_mistake() {
+  return error_answer(500, "the computer made a mistake with this request; it goes on");
+}
+
 Expected<nlohmann::json> json_of(const HttpRequest& request) {
   // Deep nesting would overflow the stack where the value is destroyed.
   constexpr int kDeepest = 32;

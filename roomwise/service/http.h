@@ -44,6 +44,8 @@ struct HttpAnswer {
 [[nodiscard]] HttpAnswer text_answer(std::string_view text, int status = 200);
 // {"error": "what is wrong and how to mend it"}
 [[nodiscard]] HttpAnswer error_answer(int status, std::string_view what);
+// To a request that a fault of the program's own broke off.
+[[nodiscard]] HttpAnswer answer_to_a_mistake();
 
 // The body as a JSON object, or why it is none.
 [[nodiscard]] Expected<nlohmann::json> json_of(const HttpRequest& request);

@@ -6,6 +6,7 @@
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
+#include <exception>
 #include <limits>
 #include <optional>
 
@@ -312,7 +313,8 @@ class HttpConnection final : public Connection,
     on_worker(std::move(make), [this](HttpAnswer answer) { write(std::move(answer)); });
   }
 
-  // Has a worker make something, with which it goes on here.
+  // Has a worker make something, with which it goes on here. Where that throws this request fails,
+  // and nothing else: on a worker an exception would end the program.
   template <typename Make, typename GoOn>
   void on_worker(Make make, GoOn go_on) {
     if (core_.waiting_requests >= core_.options.limits.waiting_requests) {
@@ -322,11 +324,19 @@ class HttpConnection final : public Connection,
     ++core_.waiting_requests;
     beast::get_lowest_layer(stream_).expires_never();
     asio::post(core_.workers, [self = shared_from_this(), make, go_on]() mutable {
-      auto made = std::make_shared<decltype(make())>(make());
+      std::shared_ptr<decltype(make())> made;
+      try {
+        made = std::make_shared<decltype(make())>(make());
+      } catch (const std::exception& fault) {
+        // What went wrong may name files or other people's things: it is not for whoever asks.
+        self->core_.events.say(fmt::format("{} at {} went wrong: {}", self->request_.method,
+                                           self->where_, fault.what()));
+      }
       ServerCore& core = self->core_;
       --core.waiting_requests;
       asio::post(core.io, [self = std::move(self), made = std::move(made), go_on] {
         self->expires_after(self->core_.options.limits.request_s);
+        if (!made) return self->answer_at_once(answer_to_a_mistake());
         go_on(std::move(*made));
       });
     });

@@ -98,7 +98,7 @@ HttpAnswer Router::answer(const HttpRequest& request) const {
   } catch (const std::exception& fault) {
     // What went wrong may name files or other people's things: it is not for whoever asks.
     log_(fmt::format("{} {} went wrong: {}", request.method, match.route->pattern, fault.what()));
-    return error_answer(500, "the computer made a mistake with this request; it goes on");
+    return answer_to_a_mistake();
   }
 }
 

@@ -273,26 +273,64 @@ TEST(ServerTest, AnswersOnlySoManyRequestsASecond) {
   EXPECT_EQ(client.ask("GET", "/health").status, 200);
 }
 
-// Homes of which one knows who says so.
+// Homes of which one knows who says so, and "Authorization: Bearer broken" finds a fault.
 class NotingHomes final : public HomesAtPort {
  public:
   class Home final : public ServedHome {
    public:
     [[nodiscard]] const std::string& name() const override { return name_; }
     [[nodiscard]] const Router& router() const override { return router_; }
-    [[nodiscard]] Expected<SocketHandler*> sockets() override { return fail("there is none"); }
+    [[nodiscard]] Expected<SocketHandler*> sockets() override {
+      throw std::runtime_error("the secret path /home/anna");
+    }
 
    private:
     const std::string name_ = "flat-1";
-    const Router router_{{route("GET", "/api/me", Role::kDevice)}};
+    const Router router_{{route("GET", "/api/me", Role::kDevice), socket_route()}};
   };
   std::variant<Arrival, HttpAnswer> arrive(const HttpRequest& request, const Now&) override {
     ++arrivals;
     if (request.header("authorization").empty()) return error_answer(401, "nobody");
+    if (request.header("authorization") == "Bearer broken") {
+      throw std::runtime_error("the secret path /home/anna");
+    }
     return Arrival{std::make_shared<Home>(), "", Identity{1, "Anna's phone", Role::kDevice}};
   }
   std::atomic<int> arrivals = 0;
 };
+
+TEST(ServerTest, ARequestWhoseHomeCannotBeFoundOrOpenedForAFaultFailsAlone) {
+  const TestServer own;
+  NotingHomes homes;
+  testing::Signal log;
+  std::string log_text;
+  ServerOptions options;
+  options.certificate = own.certificate;
+  options.log = [&](std::string_view line) {
+    log.change([&] { log_text += std::string(line) + "\n"; });
+  };
+  const auto server = Server::open(std::move(options), homes);
+  ASSERT_OK(server);
+  (*server)->serve();
+  const auto ask = [&](const std::string& target, const std::string& headers) {
+    RawClient client((*server)->port());
+    return client.shake_hands() ? client.ask("GET", target, headers) : Answer();
+  };
+  const Answer not_found = ask("/api/me", bearer("broken"));
+  EXPECT_EQ(not_found.status, 500);
+  EXPECT_THAT(not_found.body, Not(HasSubstr("anna")));
+  const Answer not_opened = ask("/api/socket", bearer("x") +
+                                                   "Connection: Upgrade\r\nUpgrade: websocket\r\n"
+                                                   "Sec-WebSocket-Version: 13\r\n"
+                                                   "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n"
+                                                   "Sec-WebSocket-Protocol: roomwise.1\r\n");
+  EXPECT_EQ(not_opened.status, 500);
+  EXPECT_THAT(not_opened.body, Not(HasSubstr("anna")));
+  EXPECT_TRUE(log.wait([&] {
+    return log_text.find("GET at /api/socket went wrong: the secret path") != std::string::npos;
+  }));
+  EXPECT_EQ(ask("/api/me", bearer("x")).status, 200) << "it goes on";
+}
 
 TEST(ServerTest, WhoAsksTooOftenIsNotEvenLookedUp) {
   const TestServer own;
