@@ -74,6 +74,7 @@ Json to_json(const GuidedWalk& walk) {
 Json to_json(const TrialSummary& summary) {
   return {{"goals", summary.goals},
           {"offered", summary.offered},
+          {"not_known", summary.goals - summary.offered},
           {"arrived", summary.arrived},
           {"says_there_wrongly", summary.says_there_wrongly},
           {"spl", summary.spl},
@@ -131,6 +132,8 @@ constexpr const char* kRendered =
 std::string text_of(const TrialSummary& summary, const char* what) {
   return fmt::format(
       "arrived         {} of {} (SPL {:.2f}); {} were told so and were not there\n"
+      "known           {} of the {} goals that the guide knows were arrived at; {} it does not "
+      "know\n"
       "path            {:.2f} of the shortest, standard deviation {:.2f}; {:.0f} s\n"
       "contacts        {:.2f} a walk\n"
       "prompts         {:.2f} a metre; of {} {} late, {} wrong, {} never begun\n"
@@ -139,7 +142,8 @@ std::string text_of(const TrialSummary& summary, const char* what) {
       "or "
       "more {} times\n"
       "{}\n",
-      summary.arrived, summary.goals, summary.spl, summary.says_there_wrongly, summary.path_ratio,
+      summary.arrived, summary.goals, summary.spl, summary.says_there_wrongly, summary.arrived,
+      summary.offered, summary.goals - summary.offered, summary.path_ratio,
       summary.path_ratio_deviation, summary.mean_s, summary.contacts_per_walk,
       summary.prompts_per_m, summary.prompts, summary.late, summary.wrong, summary.expired,
       summary.deviations_per_walk, summary.lost_per_walk, placed_share(summary), summary.pictures,

@@ -99,8 +99,8 @@ Prompt Guidance::say_to_turn(const Phrase& phrase, TimestampNs now_ns, Confidenc
   return prompt;
 }
 
-// Rather less than more: who stops short is told the rest, who goes too far has to come back. Going
-// too far costs twice, so a third of the roundings may.
+// Of what is to be walked, rather less than more: who stops short is told the rest, who goes too
+// far has to come back. Going too far costs twice, so a third of the roundings may.
 std::string Guidance::distance(double distance_m) const {
   constexpr double kLess = 0.5 - 1.0 / 3;
   constexpr double kHalfMetre_m = 0.5;
@@ -365,7 +365,8 @@ std::optional<Prompt> Guidance::begin(const Walker& walker) {
     }
     if (plan_.reach != Reach::kWhole) return say({"route.none"}, now_ns, Confidence::kUnsure);
     if (has_arrived(pose)) return arrive(pose, now_ns);
-    return say({"guide.begin", {{"goal", Nouns{goal_.noun}}, {"distance", distance(left_m(pose))}}},
+    return say({"guide.begin",
+                {{"goal", Nouns{goal_.noun}}, {"distance", wording_.distance(left_m(pose))}}},
                now_ns, goal_.is_sure ? Confidence::kSure : Confidence::kProbable);
   }
   if (said == 1 && plan_.reach == Reach::kNear) {
@@ -986,7 +987,7 @@ std::optional<Prompt> Guidance::finish(TimestampNs now_ns) {
   return say({"where.direction",
               {{"thing", Nouns{goal_.noun}},
                {"hour", fmt::format("{}", bearing.hour)},
-               {"distance", distance(bearing.distance_m)}}},
+               {"distance", wording_.distance(bearing.distance_m)}}},
              now_ns, bearing.is_sure ? Confidence::kSure : Confidence::kProbable);
 }
 
@@ -1098,9 +1099,9 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
       if (!is_led) return no_place();
       if (legs_.empty()) plan_from(*pose);
       if (legs_.empty()) return say({"route.none"}, now_ns, Confidence::kUnsure);
-      return say(
-          {"guide.far", {{"goal", Nouns{goal_.noun}}, {"distance", distance(left_m(*pose))}}},
-          now_ns);
+      return say({"guide.far",
+                  {{"goal", Nouns{goal_.noun}}, {"distance", wording_.distance(left_m(*pose))}}},
+                 now_ns);
     case GuidanceRequest::kNext: {
       if (state_ == State::kPaused) return say({"guide.paused"}, now_ns);
       if (!is_led) return no_place();

@@ -73,7 +73,7 @@ TEST_F(LedWalkTest, LeadsAlongWithThePicturesThatCome) {
   ASSERT_NE(led, nullptr);
   EXPECT_THAT(led->begin(at(first)).text, StartsWith("To the microwave: about 4"));
   EXPECT_THAT(walk(*led, 6, 0), ::testing::ElementsAre("The microwave is ahead of you.",
-                                                       StartsWith("Straight on, 4")));
+                                                       StartsWith("Straight on, 3.5")));
   const auto said = walk(*led, 12, 0.5);
   EXPECT_THAT(said, ::testing::Contains("You are there: the microwave ahead, in reach."));
   EXPECT_THAT(said, ::testing::Contains("At chest height."));

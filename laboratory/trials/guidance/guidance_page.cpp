@@ -79,6 +79,7 @@ class HomeDrawing {
 
 std::string outcome_of(const GuidedWalk& walk) {
   if (walk.arrived()) return "arrived";
+  if (!walk.is_offered) return "not known to the home";
   if (walk.says_there) return "was told so, and is not there";
   return walk.has_ended ? "not led there, and told so" : "gave up";
 }
