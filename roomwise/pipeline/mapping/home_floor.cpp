@@ -73,7 +73,7 @@ fusion::Storeys storeys_from(const json& value) {
   for (const json& one : value.at("stairs")) {
     fusion::Staircase& stairs = flights.emplace_back();
     one.at("lower").get_to(stairs.lower);
-    if (stairs.lower + 1 >= all.size())
+    if (all.empty() || stairs.lower >= all.size() - 1)  // a number below 0 is read as a huge one
       throw json::other_error::create(501, "stairs lead nowhere", &value);
     stairs.below_plan = point_from(one.at("below_plan"));
     stairs.above_plan = point_from(one.at("above_plan"));

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/pipeline/testing/mapped_room.h"
 
@@ -85,6 +87,36 @@ TEST_F(HomeFloorTest, ThatIsDamagedIsMadeAnew) {
   fused_.times = 0;
   ASSERT_OK(find_home_floor(*home_, run_));
   EXPECT_EQ(fused_.times, 0) << "it is kept whole again";
+}
+
+TEST_F(HomeFloorTest, WhoseStairsLeadToNoStoreyIsMadeAnew) {
+  using nlohmann::json;
+  const json storey{{"floor_m", 0}, {"plan_from_gravity", {0, 0}}, {"plan_from_x_m", 0}};
+  const json flight{{"below_plan", {0, 0}},
+                    {"above_plan", {1, 0}},
+                    {"foot_gravity", {0, 0}},
+                    {"top_gravity", {1, 0}},
+                    {"up_rad", 0},
+                    {"end_rad", 0},
+                    {"run_m", 1},
+                    {"height_m", 2.7},
+                    {"steps", 15},
+                    {"width_m", 1},
+                    {"left_rail", false},
+                    {"right_rail", false}};
+  const home::DerivedData kept = home_->derived_data("floor").value().value();
+  for (const auto& [lower, times_fused] : {std::pair(0, 0), std::pair(1, 1), std::pair(-1, 1)}) {
+    json floor = json::from_cbor(kept.data);
+    json stairs = flight;
+    stairs["lower"] = lower;
+    floor["storeys"] = {{"all", {storey, storey}}, {"stairs", {stairs}}};
+    home::DerivedData changed = kept;
+    changed.data = json::to_cbor(floor);
+    ASSERT_OK(home_->put_derived_data(changed));
+    fused_.times = 0;
+    ASSERT_OK(find_home_floor(*home_, run_));
+    EXPECT_EQ(fused_.times, times_fused) << "stairs up from storey " << lower;
+  }
 }
 
 TEST_F(HomeFloorTest, NeedsAMap) {
