@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <exception>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -151,7 +152,7 @@ class House::Resident final : public service::ServedHome {
     const std::scoped_lock one_by_one(opening_mutex_);
     if (LiveHome* const home = live()) return home;
     ROOMWISE_CHECK_OK(house_.take_place());
-    auto opened = open_now();
+    auto opened = try_to_open();
     if (!opened) {
       house_.free_place();
       // The words may name files of the computer.
@@ -166,6 +167,15 @@ class House::Resident final : public service::ServedHome {
   }
 
  private:
+  // A fault in one home must not take its place from the others.
+  Expected<std::unique_ptr<LiveHome>> try_to_open() {
+    try {
+      return open_now();
+    } catch (const std::exception& fault) {
+      return fail("internal error, please report it: {}", fault.what());
+    }
+  }
+
   Expected<std::unique_ptr<LiveHome>> open_now() {
     const HouseOptions& all = house_.options_;
     const fs::path file = house_.file_of(name_);
@@ -355,15 +365,36 @@ std::variant<service::Arrival, HttpAnswer> House::arrive(const HttpRequest& requ
   return answer_to_nobody();
 }
 
+// The name of a home that is being taken in: whoever asks for it waits until this goes, by a fault
+// as well.
+class House::Moving {
+ public:
+  // With House::mutex_ held.
+  Moving(House& house, const std::string& name) : house_(house), name_(name) {
+    house_.moving_.insert(name_);
+  }
+  ~Moving() {
+    const std::scoped_lock lock(house_.mutex_);
+    house_.moving_.erase(name_);
+    house_.changed_.notify_all();
+  }
+  Moving(const Moving&) = delete;
+  Moving& operator=(const Moving&) = delete;
+
+ private:
+  House& house_;
+  const std::string& name_;
+};
+
 Expected<std::shared_ptr<House::Resident>> House::find(const std::string& name) {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return !moving_.contains(name); });
+  std::unique_lock waiting(mutex_);
+  changed_.wait(waiting, [&] { return !moving_.contains(name); });
   if (const auto found = residents_.find(name); found != residents_.end()) {
     found->second->use();
     return found->second;
   }
-  moving_.insert(name);
-  lock.unlock();
+  const Moving moving(*this, name);
+  waiting.unlock();
   const auto door = door_of(name);
   auto access = service::AccessRegister::open(service::access_folder(file_of(name)), door);
   std::shared_ptr<Resident> resident;
@@ -374,9 +405,7 @@ Expected<std::shared_ptr<House::Resident>> House::find(const std::string& name) 
   } else if (access.error().code == ErrorCode::kRefused) {
     const std::ofstream wanted(wanted_file(file_of(name)));  // it counts that it is there
   }
-  lock.lock();
-  moving_.erase(name);
-  changed_.notify_all();
+  const std::scoped_lock lock(mutex_);
   if (!resident) {
     ++refused_;
     return Unexpected(std::move(access).error());

@@ -100,6 +100,7 @@ class House final : public service::HomesAtPort {
 
  private:
   class Resident;
+  class Moving;
   using Residents = std::vector<std::shared_ptr<Resident>>;
 
   House(std::filesystem::path folder, const objects::ObjectFinders& finders, HouseOptions options);
@@ -137,7 +138,7 @@ class House final : public service::HomesAtPort {
   std::shared_ptr<service::ServedHome> pairing_;  // of a home: who asks to be paired
 
   const std::shared_ptr<service::PeerGuesses> guesses_ = std::make_shared<service::PeerGuesses>();
-  mutable std::mutex doors_mutex_;  // after mutex_
+  mutable std::mutex doors_mutex_;                                      // after mutex_
   std::map<std::string, std::shared_ptr<service::PairingDoor>> doors_;  // of homes that were in use
   std::shared_ptr<service::PairingDoor> nobodys_door_;
   service::ProofPlaces proof_places_;

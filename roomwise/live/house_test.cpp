@@ -39,6 +39,9 @@ class ServedHouse {
     std::function<Expected<std::optional<service::Identity>>(const service::HttpRequest&,
                                                              const std::string&)>
         known = [](const auto&, const auto&) { return std::nullopt; };
+    // Called before a home is taken into the house, and before it is opened.
+    std::function<void(const std::string& home)> takes_in = [](const auto&) {};
+    std::function<void(const std::string& home)> opens = [](const auto&) {};
   };
   ServedHouse(const fs::path& folder, const Options& options) {
     const fs::path own = folder / "house.access";
@@ -48,7 +51,8 @@ class ServedHouse {
     HouseOptions house_options;
     house_options.max_open = options.max_open;
     house_options.fingerprint = certificate.fingerprint;
-    house_options.networks = [](const fs::path&) {
+    house_options.networks = [opens = options.opens](const fs::path& file) {
+      opens(file.stem().string());
       return std::make_shared<const pipeline::Networks>();
     };
     house_options.clock = [this] { return now(); };
@@ -56,7 +60,8 @@ class ServedHouse {
       const std::scoped_lock lock(log_mutex_);
       log_ += std::string(line) + "\n";
     };
-    house_options.access = [this](const std::string& home) {
+    house_options.access = [this, takes_in = options.takes_in](const std::string& home) {
+      takes_in(home);
       service::AccessRoutesContext context;
       context.clock = [this] { return now(); };
       context.online = [this, home] { return server->online(home); };
@@ -414,6 +419,30 @@ TEST_F(HouseTest, HoldsNoMoreHomesThanItMay) {
       service::ServerConnection::open(serving->address("flat-2"),
                                       {serving->certificate.fingerprint, tokens["flat-2"]}),
       "opens no WebSocket");
+}
+
+TEST_F(HouseTest, AFaultInOneHomeTakesNothingFromTheOthers) {
+  std::atomic<bool> is_broken = false;
+  const auto break_down = [&](const std::string& home) {
+    if (is_broken && home == "flat-1") throw std::runtime_error("a fault");
+  };
+  const auto serving = serve({.max_open = 1, .takes_in = break_down, .opens = break_down});
+  const std::string second = serving->pair("flat-2", Role::kHelper);
+  const std::string first = serving->pair("flat-1", Role::kHelper);
+  is_broken = true;
+  EXPECT_EQ(serving->open("flat-1", first), 503) << "it cannot be opened";
+  EXPECT_THAT(serving->log(), HasSubstr("flat-1: cannot be opened: internal error, please report "
+                                        "it: a fault\n"));
+  EXPECT_EQ(serving->open("flat-2", second), 200) << "the one place is free";
+  serving->steady_s = serving->steady_s + 700;
+  serving->house->tidy();  // nobody has the homes any more
+  const auto ask = [&] {
+    return serving->ask("GET", "/homes/flat-1/api/home", bearer(first)).status;
+  };
+  EXPECT_EQ(ask(), 500) << "it cannot be taken in";
+  EXPECT_EQ(ask(), 500) << "nobody waits for ever for one who tried before";
+  is_broken = false;
+  EXPECT_EQ(serving->open("flat-1", first), 200);
 }
 
 TEST_F(HouseTest, ClosesWhatNobodyUses) {
