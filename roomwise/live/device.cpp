@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <numbers>
+#include <type_traits>
 
 #include "roomwise/guide/questions/refusal_prompts.h"
 #include "roomwise/live/seconds_since.h"
@@ -57,6 +59,16 @@ bool is_of_spots(service::Question question) {
 // frames.
 bool is_of_picture(service::Question question) {
   return question == service::Question::kWhoIsHere || question == service::Question::kIsItLight;
+}
+
+// A fault on one device's picture must end neither the program nor the looking at its next ones.
+template <typename Work>
+std::invoke_result_t<Work> without_faults(const Work& work) {
+  try {
+    return work();
+  } catch (const std::exception& fault) {
+    return fail("internal error, please report it: {}", fault.what());
+  }
 }
 
 guide::TeachingStep step_of(service::Question question) {
@@ -569,13 +581,10 @@ void Device::say(const std::vector<guide::Prompt>& prompts, std::optional<std::i
 
 // ---- frames ----
 
-// A fault on one device's picture must not end the program.
 Expected<FrameResult> Device::look(CameraFrame frame) {
-  try {
+  return without_faults([&]() -> Expected<FrameResult> {
     return frame_processor_->look(std::move(frame), host_.view_for(who_));
-  } catch (const std::exception& fault) {
-    return fail("internal error, please report it: {}", fault.what());
-  }
+  });
 }
 
 bool Device::work() {
@@ -593,7 +602,7 @@ bool Device::work() {
   }
   if (const auto shown = teaching()) {
     // Nobody walks meanwhile, and the thing hides the room.
-    const auto taught = teach(*frame, *shown);
+    const auto taught = without_faults([&] { return teach(*frame, *shown); });
     {
       const std::scoped_lock lock(mutex_);
       looking_ = false;

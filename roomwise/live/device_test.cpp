@@ -15,7 +15,10 @@ using ::testing::SizeIs;
 // Keeps what is sent.
 class Wire final : public service::SocketOut {
  public:
-  void send_text(std::string text) override { texts.push_back(std::move(text)); }
+  void send_text(std::string text) override {
+    if (std::exchange(is_broken, false)) throw std::runtime_error("a fault");
+    texts.push_back(std::move(text));
+  }
   void close(std::string reason) override { closed = std::move(reason); }
 
   // The messages of one type since the last call of any kind.
@@ -32,6 +35,7 @@ class Wire final : public service::SocketOut {
 
   std::vector<std::string> texts;
   std::optional<std::string> closed;
+  bool is_broken = false;  // for the next message
 };
 
 class Host final : public DeviceHost {
@@ -184,6 +188,31 @@ TEST_F(DeviceTest, WhoBeginsToTeachAnewShowsAllOfTheThing) {
   ask(3, 12'000, service::Question::kNameThing, "my mug");
   EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "teach.more");
   EXPECT_THAT(host.taught, IsEmpty());
+}
+
+TEST_F(DeviceTest, AFaultWhileAThingIsShownDoesNotEndTheLooking) {
+  service::Hello with_camera = hello();
+  with_camera.camera = service::DeviceCamera{160, 120, {}, false};
+  say(with_camera);
+  ask(1, 100, service::Question::kTeachThing);
+  const auto show_thing = [&](double t_ms) {
+    device->on_message(write(service::FrameMessage{t_ms, picture_of_thing(200), {}}));
+  };
+  for (int i = 1; i <= 4; ++i) {
+    show_thing(1000.0 * i);
+    device->work();
+  }
+  show_thing(5000);
+  wire->texts.clear();
+  wire->is_broken = true;  // where it is told to go on
+  device->work();
+  const auto errors = wire->take<service::ErrorMessage>();
+  ASSERT_THAT(errors, SizeIs(1));
+  EXPECT_THAT(errors[0].text, HasSubstr("internal error, please report it: a fault"));
+  ask(2, 5500, service::Question::kStopTeaching);
+  show_thing(6000);
+  device->work();
+  EXPECT_THAT(host.looked_well, ::testing::ElementsAre(true));
 }
 
 TEST_F(DeviceTest, IsToldStepByStepHowAThingIsTaught) {
