@@ -1,0 +1,80 @@
+#include "roomwise/mapping/backend/grounds.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace roomwise::mapping {
+namespace {
+
+using Eigen::Vector3d;
+using geometry::RigidTransform;
+
+const Vector3d kUpWorld = Vector3d::UnitZ();  // of the world
+const Vector3d kWallNormal = Vector3d::UnitY();
+
+// Four key-frames of a phone that is held on its side: its camera's y is along a wall's normal.
+struct Sideways {
+  Sideways() {
+    Eigen::Matrix3d world_from_camera;
+    world_from_camera << Vector3d::UnitZ(), -Vector3d::UnitY(), Vector3d::UnitX();
+    for (std::size_t id = 0; id < 4; ++id) {
+      ids.push_back(id);
+      poses.push_back(
+          RigidTransform::from_matrix(world_from_camera, {0.1 * static_cast<double>(id), 0, 1.4}));
+      KeyframeFeatures& seen = features.emplace_back();
+      for (const Vector3d& surface : {kUpWorld, kWallNormal}) {
+        const Vector3d normal = world_from_camera.transpose() * surface;
+        seen.normals.insert(seen.normals.end(), 100, normal.cast<float>());
+      }
+    }
+  }
+  [[nodiscard]] std::vector<Ground> measured(Grounds grounds) const {
+    grounds.measure(ids, features, poses, speeds);
+    return grounds.under(ids, poses, 10, 2);
+  }
+
+  std::vector<std::size_t> component{0, 0, 1, 1};
+  std::vector<KeyframeId> ids;
+  std::vector<RigidTransform> poses;
+  std::vector<KeyframeFeatures> features;
+  std::vector<double> speeds = std::vector<double>(4, 0.0);
+};
+
+double tilt_rad(const Ground& ground) {
+  return std::acos(
+      std::min(1.0, (ground.world_from_ground.rotation * Vector3d::UnitZ()).dot(kUpWorld)));
+}
+
+TEST(Grounds, UpIsWhereTheDeviceFeelsItAndNotAlongItsPicture) {
+  const Sideways phone;
+  Grounds grounds({}, phone.component);
+  const auto along_picture = phone.measured(grounds);
+  ASSERT_EQ(along_picture.size(), 2U);
+  EXPECT_GT(tilt_rad(along_picture[0]), 1.5) << "the wall was taken for the floor";
+  for (const KeyframeId id : phone.ids)
+    grounds.add_gravity(id, phone.poses[id].rotation.conjugate() * kUpWorld);
+  for (const Ground& ground : phone.measured(grounds)) EXPECT_LT(tilt_rad(ground), 1e-6);
+}
+
+TEST(Grounds, EachComponentHasOneWithAnEdgeToEachOfItsKeyframes) {
+  const Sideways phone;
+  const auto grounds = phone.measured(Grounds({}, phone.component));
+  ASSERT_EQ(grounds.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    ASSERT_EQ(grounds[i].edges.size(), 2U);
+    for (std::size_t k = 0; k < 2; ++k) {
+      EXPECT_EQ(grounds[i].edges[k].from, 10 + i);
+      EXPECT_EQ(grounds[i].edges[k].to, 2 * i + k);
+    }
+  }
+}
+
+TEST(Grounds, WhereNothingIsLevelThereIsNone) {
+  Sideways phone;
+  for (KeyframeFeatures& seen : phone.features) seen.normals.clear();
+  EXPECT_TRUE(phone.measured(Grounds({}, phone.component)).empty());
+}
+
+}  // namespace
+}  // namespace roomwise::mapping
