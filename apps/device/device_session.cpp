@@ -1,5 +1,6 @@
 #include "device_session.h"
 
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <string_view>
@@ -20,6 +21,11 @@ constexpr double kPlaced_s = 4;
 
 bool asks_to_be_led(service::Question question) {
   return question == service::Question::kTakeMeTo || question == service::Question::kTakeMeBack;
+}
+
+// Of a question in words: what it asked for was to be led. "How far" is answered by the guide, too.
+bool begins_guidance(std::string_view message) {
+  return message == "guide.begin" || message.starts_with("route.");
 }
 
 // After these nobody is led any more.
@@ -192,12 +198,22 @@ void DeviceSession::watch_guide(const service::PromptMessage& message) {
   const bool is_of_guide = message.key == "guide";
   const auto asked = message.answer_to ? asked_.find(*message.answer_to) : asked_.end();
   if (asked != asked_.end() && asked->second.question != service::Question::kGuide) {
-    if (is_of_guide) led_by_ = asked->second;
-    if (!is_of_guide && asks_to_be_led(asked->second.question)) led_by_.reset();
-    if (is_of_guide) lead_again_from_ns_.reset();
+    const bool asks = asks_to_be_led(asked->second.question);
+    if (is_of_guide && (asks || begins_guidance(message.message))) {
+      led_by_ = asked->second;
+      lead_again_from_ns_.reset();
+      is_paused_ = false;
+    } else if (asks) {
+      led_by_.reset();
+    }
   }
-  if (ends_guidance(message.message)) led_by_.reset();
-  if (!led_by_) lead_again_from_ns_.reset();
+  // A computer that came back says so of whom it has forgotten: they are still to be led on.
+  const bool has_forgotten = lead_again_from_ns_ && message.message == "guide.not_running";
+  if (ends_guidance(message.message) && !has_forgotten) led_by_.reset();
+  if (!led_by_) {
+    lead_again_from_ns_.reset();
+    is_paused_ = false;
+  }
 }
 
 void DeviceSession::lead_on(const service::Seen& seen, TimestampNs now_ns) {
@@ -209,6 +225,11 @@ void DeviceSession::lead_on(const service::Seen& seen, TimestampNs now_ns) {
 // The computer that came back knows nothing of who was led: the device asks in their place.
 void DeviceSession::lead_again(TimestampNs now_ns) {
   if (!led_by_ || !lead_again_from_ns_ || is_paused_) return;
+  // They may have asked for something else meanwhile: its answer comes first.
+  const bool waits_for_words = std::ranges::any_of(asked_, [](const auto& asked) {
+    return asked.second.question == service::Question::kInWords;
+  });
+  if (waits_for_words) return;
   lead_again_from_ns_.reset();
   ask(*led_by_, now_ns);
 }
@@ -232,6 +253,7 @@ void DeviceSession::take_error(const service::ErrorMessage& error, TimestampNs n
   if (!error.answer_to) return;
   const auto asked = asked_.find(*error.answer_to);
   if (asked == asked_.end()) return;
+  if (asks_to_be_led(asked->second.question)) led_by_.reset();
   const bool names_a_thing = asked->second.question == service::Question::kWhereIs ||
                              asked->second.question == service::Question::kWayTo ||
                              asked->second.question == service::Question::kTakeMeTo;
@@ -348,7 +370,8 @@ void DeviceSession::tell_guide(service::GuideWish wish, TimestampNs now_ns) {
   if (wish == GuideWish::kPause) is_paused_ = true;
   if (wish == GuideWish::kResume) {
     is_paused_ = false;
-    if (connection_ && led_by_ && lead_again_from_ns_) return lead_again(now_ns);
+    const bool can_be_led = connection_ && (sees_places_ || !parts_.camera);
+    if (can_be_led && led_by_ && lead_again_from_ns_) return lead_again(now_ns);
   }
   service::Ask ask;
   ask.question = service::Question::kGuide;
@@ -365,7 +388,11 @@ void DeviceSession::ask(service::Ask ask, TimestampNs now_ns) {
   ask.id = ++questions_;
   ask.t_ms = static_cast<double>(now_ns) * 1e-6;
   asked_[ask.id] = ask;
-  if (asks_to_be_led(ask.question)) is_paused_ = false;
+  if (asks_to_be_led(ask.question)) {
+    is_paused_ = false;
+    lead_again_from_ns_.reset();
+    led_by_ = ask;  // until the answer says otherwise
+  }
   heard_ns_ = now_ns;  // the answer is waited for
   send(ask, now_ns);
 }

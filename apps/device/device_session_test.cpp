@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <atomic>
+
 #include "roomwise/image/codec.h"
 #include "roomwise/service/testing/testing_service.h"
 
@@ -112,6 +114,8 @@ class AnsweringHome final : public service::SocketHandler {
   int frames = 0;
   std::vector<service::Hello> hellos;
   std::vector<service::Ask> asks;
+  std::atomic<bool> has_forgotten = false;  // whom it led
+  std::atomic<bool> is_slow = false;        // to answer, without end
 
  private:
   class Session final : public service::SocketSession {
@@ -130,7 +134,7 @@ class AnsweringHome final : public service::SocketHandler {
         });
       } else if (const auto* ask = std::get_if<service::Ask>(&*message)) {
         home_.signal.change([&] { home_.asks.push_back(*ask); });
-        answer(*ask);
+        if (!home_.is_slow) answer(*ask);
       }
     }
     void on_message(Bytes bytes) override {
@@ -149,6 +153,8 @@ class AnsweringHome final : public service::SocketHandler {
         for (const char* key : {"around", "around/2", "around/3"}) say(ask, key, "Bed.");
       } else if (ask.question == service::Question::kTakeMeTo) {
         say(ask, "guide", "To the " + ask.subject + ".", "guide.begin");
+      } else if (ask.question == service::Question::kGuide && home_.has_forgotten) {
+        say(ask, "guide", "I lead you nowhere.", "guide.not_running");
       } else if (ask.question == service::Question::kGuide) {
         say(ask, "guide", "As you wish.",
             ask.wish == service::GuideWish::kEnd ? "guide.ended" : "guide.paused");
@@ -332,6 +338,34 @@ TEST_F(LedSessionTest, IsLedOnAfterTheServerWasAwayAsSoonAsItSeesThePlace) {
   EXPECT_EQ(home_.asks[1].subject, "bed");
   EXPECT_GT(home_.asks[1].id, home_.asks[0].id);
   EXPECT_GT(home_.asks[1].t_ms, home_.asks[0].t_ms);
+}
+
+TEST_F(LedSessionTest, IsLedOnAlsoWhoAskedHowFarBeforeThePlaceWasSeen) {
+  home_.has_forgotten = true;
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
+  lose_the_server_and_find_it("");
+  type("h");
+  EXPECT_TRUE(speaker_->hears("I lead you nowhere."));
+  see_a_place();
+  EXPECT_TRUE(home_.signal.wait([&] { return home_.asks.size() == 3; }));
+  type("x");
+  running.join();
+  EXPECT_EQ(home_.asks.back().question, service::Question::kTakeMeTo);
+  EXPECT_EQ(home_.asks.back().subject, "bed");
+}
+
+TEST_F(LedSessionTest, WhoAskedForAnotherGoalMeanwhileIsNotLedToTheOldOne) {
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
+  lose_the_server_and_find_it("");
+  home_.is_slow = true;
+  type("g lamp\n");
+  EXPECT_TRUE(home_.signal.wait([&] { return home_.asks.size() == 2; }));
+  see_a_place();
+  EXPECT_TRUE(home_.has_more_frames(3));
+  type("x");
+  running.join();
+  ASSERT_EQ(home_.asks.size(), 2U);
+  EXPECT_EQ(home_.asks.back().subject, "lamp");
 }
 
 TEST_F(LedSessionTest, IsNotLedOnWhoEndedItMeanwhile) {
