@@ -201,7 +201,7 @@ function answerTo(message: Record<string, unknown>): Prompt {
       return makePrompt({ answer_to, key: 'around', text: 'Before you the dining table, to the right the stove.' });
     case 'in_words':
       return makePrompt({
-        answer_to, key: /take me/i.test(String(message['text'])) ? 'guide' : 'asked', message: 'asked', text: `You asked: ${String(message['text'])}.`,
+        answer_to, ...(/take me/i.test(String(message['text'])) ? { key: 'guide', message: 'guide.begin' } : { key: 'asked', message: 'asked' }), text: `You asked: ${String(message['text'])}.`,
       });
     case 'mark_spot':
       return makePrompt({ answer_to, key: 'spot', message: 'spot.marked', text: `${String(message['spot'] ?? 'This place')} is marked here.` });

@@ -62,3 +62,69 @@ test('who paused is led on when they go on', () => {
   assert.equal(led.seen(true, 10), null);
   assert.deepEqual(led.wish(kResume), kBed);
 });
+
+test('a computer that has forgotten them is asked anew, whatever they asked before it saw the place', () => {
+  const led = ledToTheBed();
+  led.lost();
+  led.wish({ question: 'guide', wish: 'next' });
+  led.heard({ key: 'guide', message: 'guide.not_running', answer_to: 2 });
+  led.sees(true, 0);
+  assert.deepEqual(led.seen(true, 10), kBed);
+});
+
+test('who asked for another goal meanwhile is not led to the old one', () => {
+  const kLamp: Question = { question: 'take_me_to', thing: 'lamp' };
+  const led = ledToTheBed();
+  led.lost();
+  led.sees(true, 0);
+  led.ask(2, kLamp);
+  assert.equal(led.seen(true, 10), null);
+  assert.equal(led.lost(), true);
+  led.sees(true, 20);
+  assert.deepEqual(led.seen(true, 30), kLamp);
+});
+
+test('words that wait for their answer come first', () => {
+  const led = ledToTheBed();
+  led.lost();
+  led.sees(true, 0);
+  led.ask(2, { question: 'in_words', text: 'where is the lamp' });
+  assert.equal(led.seen(true, 10), null);
+  led.heard({ key: 'where', message: 'where.unknown', answer_to: 2 });
+  assert.deepEqual(led.seen(true, 20), kBed, 'a thing that nobody knows does not end the way to the bed');
+  const refused = ledToTheBed();
+  refused.lost();
+  refused.sees(true, 0);
+  refused.ask(2, { question: 'in_words', text: 'blorb' });
+  refused.refused(2);
+  assert.deepEqual(refused.seen(true, 20), kBed);
+});
+
+test('how far, asked in words, is no goal', () => {
+  const led = ledToTheBed();
+  led.ask(2, { question: 'in_words', text: 'how far' });
+  led.heard({ key: 'guide', message: 'guide.far', answer_to: 2 });
+  led.lost();
+  led.sees(true, 0);
+  assert.deepEqual(led.seen(true, 10), kBed);
+});
+
+test('a goal that is not known leads nowhere', () => {
+  const led = new LedAgain();
+  led.ask(1, kBed);
+  assert.equal(led.isLed, true);
+  led.heard({ key: 'where', message: 'where.unknown', answer_to: 1 });
+  assert.equal(led.isLed, false);
+});
+
+test('a pause ends with the way', () => {
+  const led = ledToTheBed();
+  led.wish(kPause);
+  led.wish(kEnd);
+  const words: Question = { question: 'in_words', text: 'bring me to bed' };
+  led.ask(2, words);
+  led.heard({ key: 'guide', message: 'guide.begin', answer_to: 2 });
+  led.lost();
+  led.sees(true, 0);
+  assert.deepEqual(led.seen(true, 10), words);
+});

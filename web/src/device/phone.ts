@@ -12,7 +12,7 @@ import { CameraWatch, type CameraNews } from './camera_watch';
 import { ConnectionWatch, kLookEveryMs, type ConnectionNews } from './connection_watch';
 import { FrameSender, kFrameGapMs } from './frame_sender';
 import { goalsOf, type Goal } from './goals';
-import { endsGuidance, LedAgain } from './led_again';
+import { LedAgain } from './led_again';
 import { ownPrompt } from './own_prompt';
 import { PictureFlow } from './picture_flow';
 import { measureQuality, troubleOf } from '../shared/picture_quality';
@@ -62,7 +62,6 @@ export class Phone {
   private timer = 0;
   private isOver = false;
   private lastAsked = 0;
-  private inWords: number | null = null; // the newest question in one's own words
   private device: number | null; // this one's number, once the computer told it
   private heldRecording: RecordingState | null = null; // came before that
   private greeted: (() => void)[] = []; // to be told once hello was said of the camera that is used now
@@ -113,19 +112,18 @@ export class Phone {
       this.say('device.connection_lost', 'answer');
     } else {
       this.lastAsked = id;
-      this.inWords = question.question === 'in_words' ? id : this.inWords;
       this.ledAgain.ask(id, question);
       this.answers.ask(id, now);
     }
   }
 
   takeMeTo({ kind, name }: Goal): void {
-    this.state.led = true;
     if (kind === 'way out') {
       this.ask({ question: 'take_me_to', goal: 'way_out' });
     } else {
       this.ask(kind === 'room' ? { question: 'take_me_to', room: name } : { question: 'take_me_to', thing: name });
     }
+    this.state.led = this.ledAgain.isLed;
     this.changed();
   }
 
@@ -143,8 +141,8 @@ export class Phone {
   }
 
   takeMeBack(): void {
-    this.state.led = true;
     this.ask({ question: 'take_me_back' });
+    this.state.led = this.ledAgain.isLed;
     this.changed();
   }
 
@@ -223,6 +221,8 @@ export class Phone {
         break;
       case 'error': // its words are English and for whoever mends it
         if (message.answer_to !== null && message.answer_to !== undefined) {
+          this.ledAgain.refused(message.answer_to);
+          this.state.led = this.ledAgain.isLed;
           this.say('device.failed', 'answer');
         }
         break;
@@ -249,11 +249,7 @@ export class Phone {
       }
     }
     this.ledAgain.heard(prompt);
-    if (endsGuidance(prompt)) {
-      this.state.led = false;
-    } else if (prompt.key === 'guide' && prompt.answer_to !== null && prompt.answer_to === this.inWords) {
-      this.state.led = true; // a way was asked for in words
-    }
+    this.state.led = this.ledAgain.isLed;
   }
 
   private leadOn(question: Question | null): void {
@@ -297,6 +293,7 @@ export class Phone {
     this.connection.offline(performance.now());
     if (wasOnline && this.ledAgain.lost()) {
       this.player.withdrawAnswers(); // words of a computer that is gone: nobody is to walk by them
+      this.tellConnection(this.connection.gone());
     }
     if (!wasOnline) {
       void this.identify(); // the socket was closed before it opened: perhaps this device was removed
