@@ -189,6 +189,8 @@ export function makePrompt(more: Partial<Prompt>): Prompt {
   };
 }
 
+const kBegins = { key: 'guide', message: 'guide.begin' };
+
 function answerTo(message: Record<string, unknown>): Prompt {
   const answer_to = Number(message['id']);
   switch (message['question']) {
@@ -201,8 +203,12 @@ function answerTo(message: Record<string, unknown>): Prompt {
       return makePrompt({ answer_to, key: 'around', text: 'Before you the dining table, to the right the stove.' });
     case 'in_words':
       return makePrompt({
-        answer_to, ...(/take me/i.test(String(message['text'])) ? { key: 'guide', message: 'guide.begin' } : { key: 'asked', message: 'asked' }), text: `You asked: ${String(message['text'])}.`,
+        answer_to, ...(/take me/i.test(String(message['text'])) ? kBegins : { key: 'asked', message: 'asked' }),
+        text: `You asked: ${String(message['text'])}.`,
       });
+    case 'take_me_to':
+    case 'take_me_back':
+      return makePrompt({ answer_to, ...kBegins, text: 'Turn right, then three metres straight on.' });
     case 'mark_spot':
       return makePrompt({ answer_to, key: 'spot', message: 'spot.marked', text: `${String(message['spot'] ?? 'This place')} is marked here.` });
     case 'name_room':

@@ -11,19 +11,27 @@ export function openDialog(title: string, content: readonly Child[], closed: () 
   const opener = document.activeElement;
   const id = newId('dialog');
   const element = h('dialog', { 'aria-labelledby': id, class: 'dialog' });
-  const close = (): void => element.close();
+  // At once, and not when the browser gets to tell that it is closed: focus may be elsewhere by then.
+  const close = (): void => {
+    element.close();
+    leave();
+  };
   element.append(
     h('div', { class: 'dialog-head' },
       h('h2', { id, tabindex: '-1' }, title),
       h('button', { type: 'button', class: 'quiet-button', onclick: close }, text('dialog.close'))),
     ...content.filter((child): child is Node => child instanceof Node));
-  element.addEventListener('close', () => {
+  const leave = (): void => {
+    if (!element.isConnected) {
+      return;
+    }
     element.remove();
     if (opener instanceof HTMLElement && opener.isConnected) {
       opener.focus();
     }
     closed();
-  });
+  };
+  element.addEventListener('close', leave); // by a gesture of the browser's own
   // By itself not from a field for searching in WebKit, which empties that instead.
   element.addEventListener('keydown', (event) => {
     if (event.key === 'Escape' && !event.defaultPrevented && !event.isComposing) {

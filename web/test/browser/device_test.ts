@@ -243,7 +243,7 @@ test('places: one is marked with a name or without, gone back to, renamed, forgo
   await visit.press('Take me…');
   await visit.press('my chair');
   const asked = (): unknown[] => server.newest('device').asked.map((one) => [one['question'], one['spot'] ?? one['thing'] ?? null, one['name'] ?? null]);
-  await visit.hears('You are in the kitchen.');
+  await visit.hears('Turn right, then three metres straight on.');
   await gets(asked, [
     ['mark_spot', 'my desk', null], ['mark_spot', null, null], ['take_me_back', null, null], ['rename_spot', 'my chair', 'my seat'],
     ['forget_spot', 'my chair', null], ['take_me_to', 'my chair', null],
