@@ -155,6 +155,33 @@ TEST_F(StudyCommandTest, GivesTheSameTableHereAndUnderSlurmWhereATaskWasLost) {
   EXPECT_THAT(read_text_file(folder_ / "slurm/results.csv").value(), HasSubstr(",n3,"));
 }
 
+TEST_F(StudyCommandTest, AFolderOfStudiesIsCarriedOutByOneCommandWithATableOfEach) {
+  write_study("[\"walk-1\"]");
+  const std::string text = read_text_file(folder_ / "s.toml").value();
+  std::filesystem::create_directory(folder_ / "all");
+  ASSERT_OK(write_file(folder_ / "all/b.toml", text));
+  ASSERT_OK(write_file(folder_ / "all/a.toml",
+                       "[study]\nname = \"first\"\n" + text.substr(text.find("[factors]"))));
+  const auto study_all = [&] {
+    return run_program(laboratory_, {"study", folder_ / "all", "-o", folder_ / "out", "--data",
+                                     folder_.path().string(), "--table", folder_ / "out.md"});
+  };
+  const auto result = study_all();
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, HasSubstr("4 tasks: 4 done, 0 failed, 0 open"));
+  const std::string page = read_text_file(folder_ / "out.md").value();
+  EXPECT_LT(page.find("**first**"), page.find("**paths**"));
+  EXPECT_EQ(page,
+            run_program(laboratory_, {"study-table", folder_ / "out/a", folder_ / "out/b"}).output);
+  ASSERT_OK(write_file(folder_ / "all/c.toml", std::string_view("[study]\n")));
+  std::filesystem::remove_all(folder_ / "out");
+  EXPECT_THAT(study_all().errors, HasSubstr("c.toml"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out")) << "none begins where one is wrong";
+  std::filesystem::remove_all(folder_ / "all");
+  std::filesystem::create_directory(folder_ / "all");
+  EXPECT_THAT(study_all().errors, HasSubstr("all: holds no study (.toml)"));
+}
+
 TEST_F(StudyCommandTest, ATaskThatFailsIsToldAndTheOthersGoOn) {
   write_study("[\"walk-1\", \"nowhere\"]");
   const auto result = study("out");

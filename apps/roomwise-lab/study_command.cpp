@@ -1,6 +1,8 @@
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <span>
 #include <thread>
 
 #include "commands.h"
@@ -15,8 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 
 struct StudyOptions {
-  fs::path study;
+  fs::path study;  // a file, or a folder of several
   fs::path output;
+  fs::path table;
   fs::path data;
   std::size_t workers = std::max(1U, std::thread::hardware_concurrency());
   bool retry = false;
@@ -67,6 +70,48 @@ Expected<std::string> table_in(const studies::StudyStore& store) {
   return studies::table_of(store.study(), store.tasks(), results);
 }
 
+// A page of them, each under its study's name.
+Expected<std::string> tables_in(std::span<const studies::StudyStore> stores) {
+  std::string page;
+  for (const studies::StudyStore& store : stores) {
+    ROOMWISE_TRY(const std::string table, table_in(store));
+    page += fmt::format("{}**{}**\n\n{}", page.empty() ? "" : "\n", store.study().name, table);
+  }
+  return page;
+}
+
+// By the names of their files.
+Expected<std::vector<fs::path>> studies_in(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> files;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    if (at->path().extension() == ".toml") files.push_back(at->path());
+  }
+  if (error) return fail("{}: cannot be read: {}", folder.string(), error.message());
+  if (files.empty()) return fail("{}: holds no study (.toml)", folder.string());
+  std::ranges::sort(files);
+  return files;
+}
+
+// Of a file in the output folder itself; of a folder's each in one of its own.
+Expected<std::vector<studies::StudyStore>> open_studies(const StudyOptions& options,
+                                                        const std::string& version) {
+  std::vector<studies::StudyStore> stores;
+  if (!fs::is_directory(options.study)) {
+    ROOMWISE_TRY(stores.emplace_back(),
+                 studies::StudyStore::create(options.output, options.study, options.data, version));
+    return stores;
+  }
+  ROOMWISE_TRY(const auto files, studies_in(options.study));
+  for (const fs::path& file : files)
+    ROOMWISE_CHECK_OK(studies::read_study(file));  // before any begins
+  for (const fs::path& file : files) {
+    ROOMWISE_TRY(stores.emplace_back(), studies::StudyStore::create(options.output / file.stem(),
+                                                                    file, options.data, version));
+  }
+  return stores;
+}
+
 Expected<void> forget_failed(const studies::StudyStore& store) {
   ROOMWISE_TRY(const auto results, store.results());
   for (const studies::TaskResult& result : results) {
@@ -88,36 +133,47 @@ Expected<studies::StudyCount> run_under_slurm(const studies::StudyStore& store,
   if (!jobs && !options.wait) return Unexpected(jobs.error());
   if (jobs && !jobs->empty()) {
     answer.text += fmt::format("handed to Slurm as job {}\n", fmt::join(*jobs, ", "));
-    answer.json["jobs"] = *jobs;
+    for (const auto& job : *jobs) answer.json["jobs"].push_back(job);
   }
   if (options.wait) ROOMWISE_CHECK_OK(studies::wait_for_jobs(store, slurm, context.progress));
   ROOMWISE_CHECK_OK(store.write_tables());
   return studies::count_of(store);
 }
 
-Expected<Answer> run_study(const StudyOptions& options, Context& context) {
-  ROOMWISE_TRY(const std::string version, version_of_programs());
-  ROOMWISE_TRY(const auto store,
-               studies::StudyStore::create(options.output, options.study, options.data, version));
+Expected<studies::StudyCount> run_one(const studies::StudyStore& store, const StudyOptions& options,
+                                      Context& context, Answer& answer) {
   if (options.retry) ROOMWISE_CHECK_OK(forget_failed(store));
-  Answer answer;
-  answer.json["study"] = store.study().name;
-  answer.json["version"] = version;
   auto count = options.slurm ? run_under_slurm(store, options, context, answer)
                              : studies::run_here(store, options.workers,
                                                  studies::roomwise_beside(context.progress),
                                                  context.progress);
-  if (!count) {
-    if (count.error().code != ErrorCode::kInterrupted) return Unexpected(count.error());
-    return fail_with(ErrorCode::kInterrupted, "{}; the same command goes on from there",
-                     count.error().message);
+  if (count || count.error().code != ErrorCode::kInterrupted) return count;
+  return fail_with(ErrorCode::kInterrupted, "{}; the same command goes on from there",
+                   count.error().message);
+}
+
+Expected<Answer> run_study(const StudyOptions& options, Context& context) {
+  ROOMWISE_TRY(const std::string version, version_of_programs());
+  ROOMWISE_TRY(const auto stores, open_studies(options, version));
+  Answer answer;
+  std::vector<std::string> names;
+  studies::StudyCount all;
+  for (const studies::StudyStore& store : stores) {
+    ROOMWISE_TRY(const studies::StudyCount count, run_one(store, options, context, answer));
+    names.push_back(store.study().name);
+    all.tasks += count.tasks;
+    all.done += count.done;
+    all.failed += count.failed;
+    all.open += count.open;
   }
-  answer.json.update(to_json(*count));
-  ROOMWISE_TRY(const std::string table, table_in(store));
-  answer.text +=
-      table + fmt::format("\n{} tasks: {} done, {} failed, {} open; in {}\n", count->tasks,
-                          count->done, count->failed, count->open, options.output.string());
-  answer.is_good = count->failed == 0;
+  answer.json["study"] = fmt::format("{}", fmt::join(names, ", "));
+  answer.json["version"] = version;
+  answer.json.update(to_json(all));
+  ROOMWISE_TRY(const std::string page, tables_in(stores));
+  if (!options.table.empty()) ROOMWISE_CHECK_OK(write_file(options.table, page));
+  answer.text += page + fmt::format("\n{} tasks: {} done, {} failed, {} open; in {}\n", all.tasks,
+                                    all.done, all.failed, all.open, options.output.string());
+  answer.is_good = all.failed == 0;
   return answer;
 }
 
@@ -138,18 +194,18 @@ Expected<Answer> run_study_task(const StudyTaskOptions& options, Context& contex
 Expected<Answer> run_study_table(const StudyTableOptions& options, Context&) {
   Answer answer;
   answer.json["studies"] = Json::array();
+  std::vector<studies::StudyStore> stores;
   for (const fs::path& folder : options.folders) {
-    ROOMWISE_TRY(const auto store, studies::StudyStore::open(folder));
-    ROOMWISE_TRY(const std::string table, table_in(store));
+    ROOMWISE_TRY(stores.emplace_back(), studies::StudyStore::open(folder));
+    const studies::StudyStore& store = stores.back();
     ROOMWISE_CHECK_OK(store.write_tables());
     ROOMWISE_TRY(const studies::StudyCount count, studies::count_of(store));
     Json json = to_json(count);
     json["study"] = store.study().name;
     json["version"] = store.version();
     answer.json["studies"].push_back(json);
-    if (!answer.text.empty()) answer.text += "\n";
-    answer.text += fmt::format("**{}**\n\n{}", store.study().name, table);
   }
+  ROOMWISE_TRY(answer.text, tables_in(stores));
   if (!options.output.empty()) {
     ROOMWISE_CHECK_OK(write_file(options.output, answer.text));
     answer.text = fmt::format("wrote {}\n", options.output.string());
@@ -165,16 +221,21 @@ void add_study_commands(CLI::App& app, Context& context) {
       "Carry out commands for every combination of homes, seeds and options, on this machine or "
       "under Slurm, and make a table of it",
       "roomwise-lab study mapping.toml -o mapping --data recordings\n"
+      "roomwise-lab study laboratory/benchmarks -o measured --data recordings --table measured.md\n"
       "After Ctrl-C, or a crash, the same command goes on. docs/experiments/studies.md says what "
       "the file holds.",
       run_study);
-  study->add_option("STUDY", options.study, "The study's file (.toml)")->required();
+  study
+      ->add_option("STUDY", options.study,
+                   "The study's file (.toml), or a folder: all that are in it, one after the other")
+      ->required();
   study
       ->add_option(
           "-o,--output", options.output,
           "Folder of the study: results.csv, results.sqlite, and what is kept. Under Slurm "
           "all nodes must see it under this name")
       ->required();
+  study->add_option("--table", options.table, "Also write the tables there (.md)");
   study->add_option("--data", options.data, "What {data} in its commands stands for")
       ->envname("ROOMWISE_DATA");
   add_setting(*study, "--workers", options.workers, "Tasks at once on this machine", positive());

@@ -116,19 +116,23 @@ class StudyReader {
 
   Expected<void> read_head(const toml::table& all) {
     ROOMWISE_TRY(const toml::table* head, table_in(all, "study"));
-    ROOMWISE_CHECK_OK(check_keys(*head, {"name", "threads", "minutes"}));
+    ROOMWISE_CHECK_OK(check_keys(*head, {"name", "about", "threads", "minutes"}));
     study_.name = (*head)["name"].value_or(std::string());
     ROOMWISE_CHECK_OK(check_name(*head, study_.name));
-    for (const auto& [key, number] :
-         {std::pair("threads", &study_.threads), std::pair("minutes", &study_.minutes)}) {
-      const toml::node* node = head->get(key);
-      if (node == nullptr) continue;
-      const auto value = node->value_exact<std::int64_t>();
-      if (!value || *value < 1 || *value > 100'000) {
-        return wrong(*node, fmt::format("'{}' must be a whole number from 1 on", key));
-      }
-      *number = static_cast<int>(*value);
+    study_.about = (*head)["about"].value_or(std::string());
+    ROOMWISE_CHECK_OK(read_number(*head, "threads", 100'000, study_.threads));
+    return read_number(*head, "minutes", 100'000, study_.minutes);
+  }
+
+  // A whole number from 1 on, where the table has one of this key.
+  Expected<void> read_number(const toml::table& table, const char* key, int max, int& number) {
+    const toml::node* node = table.get(key);
+    if (node == nullptr) return {};
+    const auto value = node->value_exact<std::int64_t>();
+    if (!value || *value < 1 || *value > max) {
+      return wrong(*node, fmt::format("'{}' must be a whole number from 1 to {}", key, max));
     }
+    number = static_cast<int>(*value);
     return {};
   }
 
@@ -137,6 +141,7 @@ class StudyReader {
     for (const auto& [name, node] : members(*table)) {
       ROOMWISE_CHECK_OK(check_name(*node, name));
       if (name == "data") return wrong(*node, "'data' is the folder of recordings, no factor");
+      if (name == "study") return wrong(*node, "'study' is the folder of this file, no factor");
       ROOMWISE_TRY(Words values, list_of_words(*node));
       std::set<std::string> seen;
       for (const std::string& value : values) {
@@ -168,7 +173,7 @@ class StudyReader {
     StudyStep step;
     step.name = table["name"].value_or(std::string());
     ROOMWISE_CHECK_OK(check_name(table, step.name));
-    Names taken{"data"};
+    Names taken{"data", "study"};
     for (const StudyFactor& factor : study_.factors) taken.push_back(factor.name);
     for (const StudyStep& other : study_.steps) taken.push_back(other.name);
     if (std::ranges::find(taken, step.name) != taken.end()) {
@@ -223,18 +228,24 @@ class StudyReader {
     Names factors;
     for (const StudyFactor& factor : study_.factors) factors.push_back(factor.name);
     if (all.get("table") == nullptr) {
-      study_.rows = factors;
+      study_.groups = factors;
       return {};
     }
     ROOMWISE_TRY(const toml::table* table, table_in(all, "table"));
-    ROOMWISE_CHECK_OK(check_keys(*table, {"rows"}));
-    const toml::node* rows = table->get("rows");
-    if (rows == nullptr) return wrong(*table, "'rows' is missing: factors by which there are rows");
-    ROOMWISE_TRY(study_.rows, list_of_words(*rows));
-    for (const std::string& name : study_.rows) {
+    ROOMWISE_CHECK_OK(check_keys(*table, {"rows", "columns", "digits"}));
+    ROOMWISE_CHECK_OK(read_number(*table, "digits", study_.digits, study_.digits));
+    study_.are_columns = table->get("columns") != nullptr;
+    const toml::node* groups = table->get(study_.are_columns ? "columns" : "rows");
+    if (groups == nullptr || (study_.are_columns && table->get("rows") != nullptr)) {
+      return wrong(*table, "either 'rows' or 'columns': factors by which there are some");
+    }
+    if (!groups->is_array()) return wrong(*groups, "expected a list of factors");
+    if (groups->as_array()->empty()) return {};  // all tasks together
+    ROOMWISE_TRY(study_.groups, list_of_words(*groups));
+    for (const std::string& name : study_.groups) {
       if (std::ranges::find(factors, name) != factors.end()) continue;
-      return wrong(*rows, fmt::format("there is no factor '{}'; the nearest is '{}'", name,
-                                      nearest(name, factors)));
+      return wrong(*groups, fmt::format("there is no factor '{}'; the nearest is '{}'", name,
+                                        nearest(name, factors)));
     }
     return {};
   }
@@ -314,7 +325,7 @@ std::vector<StudyTask> tasks_of(const Study& study, const std::string& version) 
   return tasks;
 }
 
-Words words_of(const StudyStep& step, const StudyTask& task, const std::filesystem::path& data,
+Words words_of(const StudyStep& step, const StudyTask& task,
                const std::map<std::string, std::filesystem::path>& folders) {
   Words words;
   for (std::string word : step.words) {
@@ -322,7 +333,7 @@ Words words_of(const StudyStep& step, const StudyTask& task, const std::filesyst
     for (const auto& [name, folder] : folders) {
       word = replaced(std::move(word), name, folder.string());
     }
-    words.push_back(replaced(std::move(word), "data", data.string()));
+    words.push_back(std::move(word));
   }
   return words;
 }

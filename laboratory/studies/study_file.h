@@ -21,7 +21,7 @@ struct StudyFactor {
 struct StudyStep {
   std::string name;
   std::string program;  // "roomwise" or "roomwise-lab"
-  Words words;          // with placeholders: {FACTOR}, {data}, and {STEP}, the folder of a step
+  Words words;          // with placeholders: {FACTOR}, {data}, {study}, and {STEP}, a step's folder
 };
 
 // A figure of what a step prints.
@@ -33,13 +33,16 @@ struct StudyValue {
 
 struct Study {
   std::string name;
-  int threads = 1;  // of each command
-  int minutes = 0;  // that a task may take under Slurm; 0: no limit
+  std::string about;  // what its table shows; printed above it
+  int threads = 1;    // of each command
+  int minutes = 0;    // that a task may take under Slurm; 0: no limit
   std::vector<StudyFactor> factors;
   std::vector<StudyStep> steps;
   std::vector<StudyValue> values;
-  std::vector<std::string>
-      rows;  // factors by which its table has rows; the others are taken together
+  std::vector<std::string> groups;  // factors by which its table has rows; the others are taken
+                                    // together
+  bool are_columns = false;         // it has columns by them, and a row for each figure
+  int digits = 9;                   // significant ones, of the figures in its table
 };
 
 // Fails on keys that are not known, naming the nearest that is, on placeholders and figures that
@@ -59,10 +62,8 @@ struct StudyTask {
 // combination is another task.
 [[nodiscard]] std::vector<StudyTask> tasks_of(const Study& study, const std::string& version);
 
-// The words of a step of a task. `data`: the folder of recordings; `folders`: of the steps, by
-// name.
+// The words of a step of a task. `folders`: what {data}, {study} and the steps' names stand for.
 [[nodiscard]] Words words_of(const StudyStep& step, const StudyTask& task,
-                             const std::filesystem::path& data,
                              const std::map<std::string, std::filesystem::path>& folders);
 
 }  // namespace roomwise::studies

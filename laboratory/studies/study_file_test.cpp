@@ -35,13 +35,30 @@ TEST(StudyFile, SaysWhatIsDoneForEveryCombinationAndWhatIsTakenOfIt) {
   EXPECT_EQ(study->minutes, 30);
   EXPECT_EQ(study->values[0].step, "ate");
   EXPECT_EQ(study->values[0].pointer, "/ate/rmse_m");
-  EXPECT_THAT(study->rows, ElementsAre("recording"));
+  EXPECT_THAT(study->groups, ElementsAre("recording"));
   const auto tasks = tasks_of(*study, "1");
   ASSERT_EQ(tasks.size(), 6u);
   EXPECT_EQ(tasks[0].title(), "recording=walk seed=1");
   EXPECT_EQ(tasks[4].title(), "recording=other seed=2");
-  EXPECT_THAT(words_of(study->steps[0], tasks[4], "/data", {{"map", "/t/map"}}),
+  EXPECT_THAT(words_of(study->steps[0], tasks[4], {{"data", "/data"}, {"map", "/t/map"}}),
               ElementsAre("map", "/data/other", "--home", "/t/map/a.home", "--seed", "2"));
+}
+
+TEST(StudyFile, ATableHasRowsOrColumnsByFactorsOrAllTasksTogether) {
+  const std::string head = kHead + kFactors + kSteps + kValues;
+  const auto columns = parsed(head + "[table]\ncolumns = [\"recording\"]\ndigits = 3\n");
+  ASSERT_OK(columns);
+  EXPECT_TRUE(columns->are_columns);
+  EXPECT_THAT(columns->groups, ElementsAre("recording"));
+  EXPECT_EQ(columns->digits, 3);
+  const auto together = parsed(head + "[table]\nrows = []\n");
+  ASSERT_OK(together);
+  EXPECT_FALSE(together->are_columns);
+  EXPECT_THAT(together->groups, ElementsAre());
+  EXPECT_ERROR(parsed(head + kTable + "columns = [\"seed\"]\n"),
+               "either 'rows' or 'columns': factors by which there are some");
+  EXPECT_ERROR(parsed(head + kTable + "digits = 10\n"),
+               "'digits' must be a whole number from 1 to 9");
 }
 
 TEST(StudyFile, ATaskIsKnownByWhatItIsMadeOf) {

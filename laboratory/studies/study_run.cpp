@@ -71,7 +71,7 @@ Expected<nlohmann::json> result_of(const StudyStore& store, const StudyTask& tas
   const fs::path folder = store.task_folder(task.id);
   ProgramRun run;
   run.program = step.program;
-  run.words = words_of(step, task, store.data(), folders);
+  run.words = words_of(step, task, folders);
   run.more = {"--threads", std::to_string(store.study().threads)};
   run.log = folder / (step.name + ".log");
   const fs::path kept = folder / (step.name + ".json");
@@ -106,7 +106,7 @@ Expected<void> take_values(const Study& study, const StudyStep& step, const nloh
 
 Expected<void> run_steps(const StudyStore& store, const StudyTask& task, const RunProgram& program,
                          TaskResult& result) {
-  std::map<std::string, fs::path> folders;
+  std::map<std::string, fs::path> folders = store.sources();
   for (const StudyStep& step : store.study().steps) {
     folders[step.name] = store.task_folder(task.id) / "work" / step.name;
   }

@@ -17,6 +17,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 constexpr const char* kStudy = R"([study]
 name = "sums"
@@ -57,6 +58,11 @@ class StudyRun : public ::testing::Test {
     return table_of(of.study(), of.tasks(), of.results().value());
   }
 
+  void write_study(std::string text, const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+    EXPECT_OK(write_file(folder_ / "s.toml", text));
+  }
+
   ::roomwise::testing::ScratchFolder folder_;
   SilentProgress progress_;
   std::mutex mutex_;
@@ -64,6 +70,31 @@ class StudyRun : public ::testing::Test {
   std::optional<int> stop_after_;
   std::string fails_;
 };
+
+TEST_F(StudyRun, ATableMayHaveItsFiguresAsRowsWithFewerDigits) {
+  write_study(kStudy, "rows = [\"home\"]", "columns = [\"home\"]\ndigits = 2");
+  EXPECT_OK(run_here(store(), 1, program(), progress_));
+  EXPECT_EQ(table(store()),
+            "| home | a | b |\n| --- | --- | --- |\n| tasks | 3 of 3 | 3 of 3 |\n"
+            "| error | 2.1 (1.1 – 3.1) | 2.1 (1.1 – 3.1) |\n");
+}
+
+TEST_F(StudyRun, WhatLiesBesideTheStudysFileIsFoundFromIt) {
+  write_study(kStudy, "\"{home}\"", "\"{study}/{home}.txt\"");
+  const StudyStore made = store();
+  std::string words;
+  EXPECT_OK(
+      run_task(made, made.tasks().front(), [&](const ProgramRun& run) -> Expected<std::string> {
+        if (run.words[0] == "map") words = run.words[1];
+        return std::string(R"({"error": 1})");
+      }));
+  EXPECT_EQ(words, (folder_ / "a.txt").string());
+}
+
+TEST_F(StudyRun, WhatIsSaidAboutAStudyStandsAboveItsTable) {
+  write_study(kStudy, "name = \"sums\"", "name = \"sums\"\nabout = \"Of two homes.\"");
+  EXPECT_THAT(table(store()), StartsWith("Of two homes.\n\n| home |"));
+}
 
 TEST_F(StudyRun, DoesEachTaskOnceAndGivesTheSameTableWithAnyNumberOfWorkers) {
   const auto count = run_here(store(), 3, program(), progress_);

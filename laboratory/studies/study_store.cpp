@@ -125,6 +125,7 @@ Expected<StudyStore> StudyStore::create(const fs::path& folder, const fs::path& 
   ROOMWISE_CHECK_OK(make_folder(folder / "tasks"));
   ROOMWISE_CHECK_OK(write_file(folder / "study.toml", text));
   const StoredJson json{{"data", data.empty() ? "" : fs::absolute(data).string()},
+                        {"study", fs::absolute(study_file).parent_path().string()},
                         {"version", version}};
   ROOMWISE_CHECK_OK(write_file(facts, json.dump(2) + "\n"));
   return open(folder);
@@ -138,7 +139,7 @@ Expected<StudyStore> StudyStore::open(const fs::path& folder) {
   if (!json.is_object()) {
     return fail("{}: is damaged; run the study again", (folder / "study.json").string());
   }
-  store.data_ = json.value("data", "");
+  for (const char* source : {"data", "study"}) store.sources_[source] = json.value(source, "");
   store.version_ = json.value("version", "");
   ROOMWISE_TRY(store.study_, read_study(folder / "study.toml"));
   return store;

@@ -24,8 +24,9 @@ struct TaskResult {
   double seconds = 0;  // of the last attempt
 };
 
-// The folder of a study: its file (study.toml), where its recordings lie (study.json), a result a
-// task (results/ID.json), and what tasks work with (tasks/ID/, gone when a task is done).
+// The folder of a study: its file (study.toml), where that lay and where its recordings lie
+// (study.json), a result a task (results/ID.json), and what tasks work with (tasks/ID/, gone when a
+// task is done).
 class StudyStore {
  public:
   // Makes the folder where there is none, and writes down the study. Fails where it holds a study
@@ -38,7 +39,10 @@ class StudyStore {
 
   [[nodiscard]] const Study& study() const { return study_; }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
-  [[nodiscard]] const std::filesystem::path& data() const { return data_; }
+  // What {data} and {study} stand for: the recordings, and what lies beside the study's file.
+  [[nodiscard]] const std::map<std::string, std::filesystem::path>& sources() const {
+    return sources_;
+  }
   [[nodiscard]] const std::string& version() const { return version_; }
   [[nodiscard]] std::vector<StudyTask> tasks() const { return tasks_of(study_, version_); }
   [[nodiscard]] std::filesystem::path task_folder(const std::string& id) const {
@@ -59,7 +63,7 @@ class StudyStore {
  private:
   std::filesystem::path folder_;
   Study study_;
-  std::filesystem::path data_;
+  std::map<std::string, std::filesystem::path> sources_;
   std::string version_;
 };
 

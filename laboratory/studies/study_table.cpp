@@ -17,7 +17,7 @@ std::optional<double> figure_of(const std::string& text) {
 }
 
 // One cell: of the same figure of several tasks. Texts are listed.
-std::string cell_of(const std::vector<std::string>& texts) {
+std::string cell_of(const std::vector<std::string>& texts, int digits) {
   std::vector<double> figures;
   std::vector<std::string> others;
   for (const std::string& text : texts) {
@@ -31,12 +31,29 @@ std::string cell_of(const std::vector<std::string>& texts) {
   const double mean =
       std::accumulate(figures.begin(), figures.end(), 0.0) / static_cast<double>(figures.size());
   const auto [least, largest] = std::ranges::minmax(figures);
-  if (least == largest) return fmt::format("{:.9g}", mean);
-  return fmt::format("{:.9g} ({:.9g} – {:.9g})", mean, least, largest);
+  if (least == largest) return fmt::format("{:.{}g}", mean, digits);
+  return fmt::format("{0:.{3}g} ({1:.{3}g} – {2:.{3}g})", mean, least, largest, digits);
 }
 
-std::string row_of(const std::vector<std::string>& cells) {
+using Cells = std::vector<std::string>;
+
+std::string row_of(const Cells& cells) {
   return fmt::format("| {} |\n", fmt::join(cells, " | "));
+}
+
+std::vector<Cells> transposed(const std::vector<Cells>& rows) {
+  std::vector<Cells> columns(rows.front().size());
+  for (const Cells& row : rows) {
+    for (std::size_t i = 0; i < columns.size(); ++i) columns[i].push_back(row[i]);
+  }
+  return columns;
+}
+
+// The first row is its head.
+std::string markdown_of(const std::vector<Cells>& rows) {
+  std::string text = row_of(rows.front()) + row_of(Cells(rows.front().size(), "---"));
+  for (std::size_t i = 1; i < rows.size(); ++i) text += row_of(rows[i]);
+  return text;
 }
 
 }  // namespace
@@ -45,17 +62,16 @@ std::string table_of(const Study& study, const std::vector<StudyTask>& tasks,
                      const std::vector<TaskResult>& results) {
   std::map<std::string, const TaskResult*> by_id;
   for (const TaskResult& result : results) by_id[result.id] = &result;
-  std::vector<std::string> head = study.rows;
+  Cells head = study.groups;
   head.emplace_back("tasks");
   for (const StudyValue& value : study.values) head.push_back(value.name);
-  std::string text = row_of(head);
-  text += row_of(std::vector<std::string>(head.size(), "---"));
+  std::vector<Cells> written{head};
 
-  std::vector<std::vector<std::string>> rows;  // of factors, in the order of the tasks
-  std::map<std::vector<std::string>, std::vector<const StudyTask*>> of_row;
+  std::vector<Cells> rows;  // of factors, in the order of the tasks
+  std::map<Cells, std::vector<const StudyTask*>> of_row;
   for (const StudyTask& task : tasks) {
-    std::vector<std::string> row;
-    for (const std::string& name : study.rows) row.push_back(task.factors.at(name));
+    Cells row;
+    for (const std::string& name : study.groups) row.push_back(task.factors.at(name));
     if (!of_row.contains(row)) rows.push_back(row);
     of_row[row].push_back(&task);
   }
@@ -73,7 +89,7 @@ std::string table_of(const Study& study, const std::vector<StudyTask>& tasks,
         failures += fmt::format("- {}: {}\n", task->title(), found->second->why);
       }
     }
-    std::vector<std::string> cells = row;
+    Cells cells = row;
     cells.push_back(fmt::format("{} of {}", good.size(), of_row[row].size()));
     for (const StudyValue& value : study.values) {
       std::vector<std::string> texts;
@@ -81,10 +97,12 @@ std::string table_of(const Study& study, const std::vector<StudyTask>& tasks,
         const auto figure = result->values.find(value.name);
         texts.push_back(figure == result->values.end() ? "" : figure->second);
       }
-      cells.push_back(cell_of(texts));
+      cells.push_back(cell_of(texts, study.digits));
     }
-    text += row_of(cells);
+    written.push_back(std::move(cells));
   }
+  std::string text = study.about.empty() ? "" : study.about + "\n\n";
+  text += markdown_of(study.are_columns ? transposed(written) : written);
   if (!failures.empty()) text += "\nFailed:\n\n" + failures;
   if (open > 0) text += fmt::format("\n{} tasks are not done yet.\n", open);
   return text;
