@@ -61,6 +61,21 @@ TEST(StudyFile, ATableHasRowsOrColumnsByFactorsOrAllTasksTogether) {
                "'digits' must be a whole number from 1 to 9");
 }
 
+TEST(StudyFile, TheStudiesOfTheBenchmarksCanBeRead) {
+  std::set<std::string> names;
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(ROOMWISE_BENCHMARKS)) {
+    ++files;
+    const auto study = read_study(entry.path());
+    ASSERT_OK(study);
+    EXPECT_EQ(study->name, entry.path().stem()) << "its table is found by the file's name";
+    EXPECT_FALSE(study->about.empty()) << entry.path();
+    names.insert(study->name);
+  }
+  EXPECT_GT(files, 0u);
+  EXPECT_EQ(names.size(), files);
+}
+
 TEST(StudyFile, ATaskIsKnownByWhatItIsMadeOf) {
   const auto study = parsed(kHead + kFactors + kSteps + kValues).value();
   std::set<std::string> ids;
