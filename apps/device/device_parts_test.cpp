@@ -197,8 +197,8 @@ class HeldVoiceTest : public ::testing::Test {
 
 TEST_F(HeldVoiceTest, ASpeakerThatNeverEndsIsNotWaitedFor) {
   // 10 characters, one of them of two bytes: 3 s + 2 * 0.6 s.
-  voice_->say(answer("room", "Die Küche.", 3 * kSecond), 0);
-  voice_->say(answer("later", "Later.", 60 * kSecond), 0);
+  voice_->say(answer("room", "Die Küche.", 3 * kSecond), 0, true);
+  voice_->say(answer("later", "Later.", 60 * kSecond), 0, true);
   step_until(4 * kSecond + kSecond / 5);
   EXPECT_EQ(speaker_->heard, "Die Küche.\n");
   step_until(5 * kSecond);
@@ -208,29 +208,47 @@ TEST_F(HeldVoiceTest, ASpeakerThatNeverEndsIsNotWaitedFor) {
 }
 
 TEST_F(HeldVoiceTest, AskingAnewBreaksOffTheAnswer) {
-  voice_->say(answer("around", "Bed.", 3 * kSecond), 0);
-  voice_->say(answer("around/2", "Lamp.", 7 * kSecond), 0);
+  voice_->say(answer("around", "Bed.", 3 * kSecond), 0, true);
+  voice_->say(answer("around/2", "Lamp.", 7 * kSecond), 0, true);
   step_until(kSecond);
   voice_->withdraw_answers(kSecond);
   step_until(kSecond + kSecond / 2);
   EXPECT_EQ(speaker_->heard, "Bed.\n(stop)\n");
-  voice_->say(answer("room", "Kitchen.", 5 * kSecond), 2 * kSecond);
+  voice_->say(answer("room", "Kitchen.", 5 * kSecond), 2 * kSecond, true);
   step_until(2 * kSecond);
   EXPECT_EQ(speaker_->heard, "Bed.\n(stop)\nKitchen.\n");
 }
 
 TEST_F(HeldVoiceTest, AnAnswerThatComesTooLateIsTold) {
-  voice_->notice("device.camera_dark", guide::Sound::kAlert, 0);
+  voice_->say(answer("around", "Before you the bed.", 9 * kSecond), 0, true);
   step_until(0);
-  voice_->say(answer("room", "Kitchen.", 2 * kSecond), kSecond);
-  voice_->say(answer("other", "Other.", 2 * kSecond), kSecond);
+  voice_->say(answer("room", "Kitchen.", 2 * kSecond), kSecond, true);
+  voice_->say(answer("other", "Other.", 2 * kSecond), kSecond, true);
   step_until(3 * kSecond);
   speaker_->done = true;
   step_until(4 * kSecond);
   speaker_->done = true;
   step_until(8 * kSecond);
-  EXPECT_EQ(speaker_->heard,
-            "It is too dark for the camera.\nThat did not work. Please try again.\n");
+  EXPECT_EQ(speaker_->heard, "Before you the bed.\nThat did not work. Please try again.\n");
+}
+
+TEST_F(HeldVoiceTest, WhoAsksAnewDoesNotHearThatTheAnswerBeforeCameTooLate) {
+  voice_->answer("device.failed", guide::Sound::kUnsure, 0);
+  step_until(kSecond);
+  voice_->withdraw_answers(kSecond);
+  voice_->say(answer("room", "Kitchen.", 3 * kSecond), kSecond, true);
+  step_until(2 * kSecond);
+  EXPECT_EQ(speaker_->heard, "That did not work. Please try again.\n(stop)\nKitchen.\n");
+}
+
+TEST_F(HeldVoiceTest, AnInstructionThatIsOldByNowIsPassedOverWithoutAWord) {
+  voice_->say(answer("rooms", "I know five rooms.", 9 * kSecond), 0, true);
+  step_until(0);
+  voice_->say(answer("guide", "Turn left.", 2 * kSecond), kSecond, false);
+  step_until(3 * kSecond);
+  speaker_->done = true;
+  step_until(6 * kSecond);
+  EXPECT_EQ(speaker_->heard, "I know five rooms.\n");
 }
 
 TEST(DeviceVoiceTest, SpeaksByTheRules) {
@@ -250,13 +268,13 @@ TEST(DeviceVoiceTest, SpeaksByTheRules) {
   message.valid_until_t_ms = 5000;
   const auto prompt = service::prompt_of(message);
   ASSERT_OK(prompt);
-  voice.say(*prompt, 0);
+  voice.say(*prompt, 0, true);
   voice.notice("device.connection_lost", guide::Sound::kLost, 0);
   for (TimestampNs now_ns = 0; now_ns < 2 * kSecond; now_ns += kSecond / 10) {
     ASSERT_OK(voice.step(now_ns));
   }
   EXPECT_TRUE(voice.is_silent(2 * kSecond));
-  voice.say(*prompt, 6 * kSecond);  // too late
+  voice.say(*prompt, 6 * kSecond, true);  // too late
   ASSERT_OK(voice.step(6 * kSecond));
   EXPECT_EQ(heard.str(), "(answer) You are in the kitchen.\n(lost) The connection is lost.\n");
   ASSERT_OK(voice.step(7 * kSecond));

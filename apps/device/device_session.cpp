@@ -182,7 +182,7 @@ void DeviceSession::take_prompt(const service::PromptMessage& message, Timestamp
     return;
   }
   ++prompts_;
-  parts_.voice->say(*std::move(prompt), now_ns);
+  parts_.voice->say(*std::move(prompt), now_ns, message.answer_to.has_value());
 }
 
 // Whether a thing is shown, or was and waits for its name.
@@ -258,7 +258,7 @@ void DeviceSession::take_error(const service::ErrorMessage& error, TimestampNs n
                              asked->second.question == service::Question::kWayTo ||
                              asked->second.question == service::Question::kTakeMeTo;
   asked_.erase(asked);
-  parts_.voice->notice(names_a_thing ? "device.not_understood" : "device.failed",
+  parts_.voice->answer(names_a_thing ? "device.not_understood" : "device.failed",
                        guide::Sound::kUnsure, now_ns);
 }
 

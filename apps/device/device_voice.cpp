@@ -104,7 +104,13 @@ Expected<std::unique_ptr<speech::Speaker>> open_speaker(const std::string& choic
 }
 
 void DeviceVoice::notice(const std::string& message, guide::Sound sound, TimestampNs now_ns) {
-  say(guide::notice_prompt(message, sound, wording_, now_ns), now_ns);
+  say(guide::notice_prompt(message, sound, wording_, now_ns), now_ns, false);
+}
+
+void DeviceVoice::answer(const std::string& message, guide::Sound sound, TimestampNs now_ns) {
+  guide::Prompt prompt = guide::notice_prompt(message, sound, wording_, now_ns);
+  prompt.priority = guide::Priority::kAnswer;
+  say(std::move(prompt), now_ns, false);
 }
 
 void DeviceVoice::say_error(const std::string& text, TimestampNs now_ns) {
@@ -115,7 +121,7 @@ void DeviceVoice::say_error(const std::string& text, TimestampNs now_ns) {
   prompt.priority = guide::Priority::kNotice;
   prompt.sound = guide::Sound::kAlert;
   prompt.valid_until_ns = now_ns + std::llround(kErrorValid_s / kSecondsPerNs);
-  say(std::move(prompt), now_ns);
+  say(std::move(prompt), now_ns, false);
 }
 
 void DeviceVoice::withdraw_answers(TimestampNs now_ns) {
@@ -124,7 +130,7 @@ void DeviceVoice::withdraw_answers(TimestampNs now_ns) {
 
 void DeviceVoice::repeat(TimestampNs now_ns) {
   for (guide::Prompt& prompt : guide::repeat_prompts(queue_.last_said(), wording_, now_ns)) {
-    say(std::move(prompt), now_ns);
+    say(std::move(prompt), now_ns, true);
   }
 }
 
@@ -138,7 +144,7 @@ Expected<void> DeviceVoice::step(TimestampNs now_ns) {
   if (std::exchange(must_stop_, false)) ROOMWISE_CHECK_OK(speaker_->stop(now_ns));
   if (queue_.speaking()) ROOMWISE_CHECK_OK(watch_speaker(now_ns));
   const auto utterance = queue_.next(now_ns);
-  if (queue_.take_expired_answers() > 0) notice("device.failed", guide::Sound::kUnsure, now_ns);
+  if (queue_.take_expired_answers() > 0) answer("device.failed", guide::Sound::kUnsure, now_ns);
   if (!utterance) return {};
   begun_ns_ = now_ns;
   return speaker_->begin(*utterance, now_ns);

@@ -81,9 +81,13 @@ class DeviceVoice {
   DeviceVoice(std::unique_ptr<speech::Speaker> speaker, guide::Wording wording)
       : speaker_(std::move(speaker)), wording_(std::move(wording)) {}
 
-  void say(guide::Prompt prompt, TimestampNs now_ns) { queue_.add(std::move(prompt), now_ns); }
+  void say(guide::Prompt prompt, TimestampNs now_ns, bool is_asked_for) {
+    queue_.add(std::move(prompt), now_ns, is_asked_for);
+  }
   // A message of the device itself: "device.connection_lost".
   void notice(const std::string& message, guide::Sound sound, TimestampNs now_ns);
+  // The same in place of an answer: who asks anew does not hear it any more.
+  void answer(const std::string& message, guide::Sound sound, TimestampNs now_ns);
   // Words that are in no catalogue: an error.
   void say_error(const std::string& text, TimestampNs now_ns);
   // Somebody asked anew: no more of the answers before.

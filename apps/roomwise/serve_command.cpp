@@ -180,7 +180,7 @@ class SpokenCodes {
       guide::Prompt prompt = guide::make_prompt(
           wording_, key, "pairing.code", {{"code", digits}}, guide::Confidence::kSure,
           guide::after(now_ns, kCodeValid_s), "a code was made");
-      voice_->say(std::move(prompt), now_ns);
+      voice_->say(std::move(prompt), now_ns, false);
     }
   }
   [[nodiscard]] Expected<void> step() { return voice_->step(steady_now_ns()); }

@@ -35,18 +35,19 @@ bool PromptQueue::was_said_lately(const Prompt& prompt, TimestampNs now_ns) cons
   return said != said_at_ns_.end() && now_ns < after(said->second, lately_s);
 }
 
-void PromptQueue::add(Prompt prompt, TimestampNs now_ns) {
+void PromptQueue::add(Prompt prompt, TimestampNs now_ns, bool is_asked_for) {
   std::uint64_t place = places_++;
   for (const Waiting& each : waiting_) {
     if (!is_of(each.prompt.key, prompt.key) || now_ns > each.prompt.valid_until_ns) continue;
     prompt.priority = std::min(prompt.priority, each.prompt.priority);
     place = std::min(place, each.place);
+    is_asked_for = is_asked_for || each.is_asked_for;
   }
   // Also where this one is not spoken: it is the newer word on the same.
   withdraw(prompt.key);
   const bool is_unwanted = is_quiet_ && prompt.priority == Priority::kCallout;
   if (!is_unwanted && !was_said_lately(prompt, now_ns)) {
-    waiting_.push_back({std::move(prompt), place, false});
+    waiting_.push_back({std::move(prompt), place, is_asked_for, false});
   }
 }
 
@@ -65,17 +66,23 @@ bool PromptQueue::withdraw_answers(TimestampNs now_ns) {
 void PromptQueue::forget_expired(TimestampNs now_ns) {
   std::erase_if(waiting_, [&](const Waiting& each) {
     const bool is_expired = now_ns > each.prompt.valid_until_ns;
-    const bool is_unheard = each.prompt.priority == Priority::kAnswer && !each.was_begun;
-    if (is_expired && is_unheard) ++expired_answers_;
+    const bool is_answer = each.prompt.priority == Priority::kAnswer && each.is_asked_for;
+    if (is_expired && is_answer && !each.was_begun) ++expired_answers_;
     return is_expired;
   });
 }
 
-bool PromptQueue::may_begin(const Prompt& prompt, TimestampNs now_ns) const {
+bool PromptQueue::breaks_off(const Waiting& waiting) const {
+  const Priority spoken = speaking_->prompt.priority;
+  if (waiting.prompt.priority == Priority::kHazard) return spoken != Priority::kHazard;
+  return waiting.prompt.priority == Priority::kAnswer && waiting.is_asked_for &&
+         spoken > Priority::kAnswer;
+}
+
+bool PromptQueue::may_begin(const Waiting& waiting, TimestampNs now_ns) const {
+  const Prompt& prompt = waiting.prompt;
   if (now_ns > prompt.valid_until_ns || was_said_lately(prompt, now_ns)) return false;
-  if (speaking_) {
-    return prompt.priority == Priority::kHazard && speaking_->prompt.priority != Priority::kHazard;
-  }
+  if (speaking_) return breaks_off(waiting);
   return prompt.priority != Priority::kCallout || !silent_since_ns_ ||
          now_ns >= after(*silent_since_ns_, options_.callout_gap_s);
 }
@@ -84,7 +91,7 @@ std::vector<PromptQueue::Waiting>::const_iterator PromptQueue::highest_priority(
     TimestampNs now_ns) const {
   auto best = waiting_.end();
   for (auto each = waiting_.begin(); each != waiting_.end(); ++each) {
-    if (!may_begin(each->prompt, now_ns)) continue;
+    if (!may_begin(*each, now_ns)) continue;
     const auto rank = [](const Waiting& waiting) {
       return std::pair(waiting.prompt.priority, waiting.place);
     };
@@ -118,7 +125,7 @@ void PromptQueue::break_off(TimestampNs now_ns) {
   for (const Waiting& each : waiting_) {
     if (whole_of(each.prompt.key) == whole_of(prompt.key)) place = std::min(place, each.place);
   }
-  waiting_.insert(waiting_.begin(), {std::move(prompt), place, true});
+  waiting_.insert(waiting_.begin(), {std::move(prompt), place, false, true});
 }
 
 void PromptQueue::remember(const Prompt& prompt, TimestampNs now_ns) {

@@ -47,16 +47,19 @@ struct Said {
 // - The same callout (key and text) is not said twice within a minute; questions are always
 //   answered.
 // - Before a callout there is silence for a moment.
-// - A hazard breaks off what is being spoken, unless that is a hazard too. A question or notice
-//   that was broken off is spoken again afterwards, if it still holds.
+// - A hazard breaks off what is being spoken, unless that is a hazard too. So does an answer that
+//   was asked for a notice or callout: it holds for seconds. An answer or notice that was broken
+//   off is spoken again afterwards, if it still holds.
 // - Who asks anew hears no more of the answers before: withdraw_answers().
 // - While it is quiet, nothing is called out. Hazards, answers and notices are spoken.
 class PromptQueue {
  public:
   explicit PromptQueue(const PromptQueueOptions& options = {}) : options_(options) {}
 
-  void add(Prompt prompt, TimestampNs now_ns);
-  // What to begin to speak now. Nothing while something is being spoken, unless a hazard waits.
+  // `is_asked_for`: somebody waits for it. A guide also speaks by itself, as urgently as it
+  // answers.
+  void add(Prompt prompt, TimestampNs now_ns, bool is_asked_for = true);
+  // What to begin to speak now. Nothing while something is being spoken, unless it is broken off.
   [[nodiscard]] std::optional<Utterance> next(TimestampNs now_ns);
   // It has been spoken, to the end or not. Ignored where another one is being spoken by now.
   void finished(std::uint64_t id, TimestampNs now_ns);
@@ -74,8 +77,8 @@ class PromptQueue {
   // Forgets the answers that wait, since somebody asked anew. True where one is being spoken, which
   // counts as finished: the caller breaks it off.
   [[nodiscard]] bool withdraw_answers(TimestampNs now_ns);
-  // How many answers were past their time before they could be begun, since the last call. Nobody
-  // heard of them, so the caller says that.
+  // How many answers that were asked for were past their time before they could be begun, since the
+  // last call. Nobody heard of them, so the caller says that.
   [[nodiscard]] int take_expired_answers() { return std::exchange(expired_answers_, 0); }
 
   [[nodiscard]] const std::optional<Utterance>& speaking() const { return speaking_; }
@@ -87,10 +90,12 @@ class PromptQueue {
   struct Waiting {
     Prompt prompt;
     std::uint64_t place = 0;  // in the order of coming
-    bool was_begun = false;   // and broken off
+    bool is_asked_for = false;
+    bool was_begun = false;  // and broken off
   };
   [[nodiscard]] bool was_said_lately(const Prompt& prompt, TimestampNs now_ns) const;
-  [[nodiscard]] bool may_begin(const Prompt& prompt, TimestampNs now_ns) const;
+  [[nodiscard]] bool breaks_off(const Waiting& waiting) const;
+  [[nodiscard]] bool may_begin(const Waiting& waiting, TimestampNs now_ns) const;
   // The one to begin now; end() where there is none.
   [[nodiscard]] std::vector<Waiting>::const_iterator highest_priority(TimestampNs now_ns) const;
   void remember(const Prompt& prompt, TimestampNs now_ns);

@@ -240,8 +240,8 @@ TEST_F(PromptQueueTest, AskingAnewBreaksOffAnswersAlone) {
 }
 
 TEST_F(PromptQueueTest, TellsOfAnswersThatWereNeverBegun) {
-  queue_.add(prompt(Priority::kNotice, "camera", "long notice"), at(0));
-  EXPECT_EQ(begin(0), "long notice");
+  queue_.add(answer("around", "long answer"), at(0));
+  EXPECT_EQ(begin(0), "long answer");
   queue_.add(answer("room", "kitchen", 3), at(1));
   queue_.add(answer("other", "replaced", 3), at(1));
   queue_.add(answer("other", "newer"), at(2));
@@ -257,6 +257,43 @@ TEST_F(PromptQueueTest, TellsOfAnswersThatWereNeverBegun) {
   EXPECT_EQ(begin(5), "Obstacle ahead.");
   EXPECT_EQ(begin(1001), "");  // it was begun at least
   EXPECT_EQ(queue_.take_expired_answers(), 0);
+}
+
+TEST_F(PromptQueueTest, WhatAGuideSaysByItselfIsNoAnswerThatSomebodyMisses) {
+  queue_.add(answer("rooms", "long answer"), at(0));
+  EXPECT_EQ(begin(0), "long answer");
+  queue_.add(answer("guide", "turn left", 3), at(1), /*is_asked_for=*/false);
+  EXPECT_EQ(begin(4), "");
+  EXPECT_EQ(queue_.take_expired_answers(), 0);
+  // But where it took the place of an answer that waited, somebody does.
+  queue_.add(answer("guide", "two metres", 6), at(5));
+  queue_.add(answer("guide", "turn right", 6), at(5.5), /*is_asked_for=*/false);
+  EXPECT_EQ(begin(7), "");
+  EXPECT_EQ(queue_.take_expired_answers(), 1);
+}
+
+TEST_F(PromptQueueTest, AnAnswerBreaksOffANoticeOrCalloutSinceItHoldsForSeconds) {
+  queue_.add(callout("hall", "callout"), at(0));
+  EXPECT_EQ(begin(0), "callout");
+  queue_.add(answer("guide", "turn left"), at(1), /*is_asked_for=*/false);
+  EXPECT_EQ(begin(1), "") << "nobody asked";
+  queue_.add(answer("room", "kitchen", 3), at(1.5));
+  EXPECT_TRUE(queue_.interrupts(at(1.5)));
+  const auto utterance = queue_.next(at(1.5));
+  ASSERT_TRUE(utterance);
+  EXPECT_EQ(utterance->prompt.text, "kitchen");
+  EXPECT_TRUE(utterance->breaks_off);
+  queue_.add(answer("other", "sofa"), at(2));
+  EXPECT_EQ(begin(2), "") << "one answer does not break off another";
+  finish(3);
+  EXPECT_EQ(speak(3), "turn left");
+  EXPECT_EQ(speak(4), "sofa");
+  queue_.add(prompt(Priority::kNotice, "camera", "notice"), at(5));
+  EXPECT_EQ(begin(5), "notice");
+  queue_.add(answer("room", "hall", 7), at(5.5));
+  EXPECT_EQ(speak(5.5), "hall");
+  EXPECT_EQ(speak(6), "notice") << "the notice is spoken again, the callout is not";
+  EXPECT_EQ(speak(9), "");
 }
 
 TEST_F(PromptQueueTest, QuietSilencesCalloutsAlone) {
@@ -346,8 +383,8 @@ TEST(PromptQueuePropertyTest, RulesHoldForAnythingThatHappens) {
       EXPECT_EQ(utterance->breaks_off, interrupts);
       if (speaking) {
         ++broken_off;
-        EXPECT_EQ(said.priority, Priority::kHazard);
-        EXPECT_NE(speaking->prompt.priority, Priority::kHazard);
+        EXPECT_LE(said.priority, Priority::kAnswer);
+        EXPECT_GT(speaking->prompt.priority, said.priority);
         begun.back().ended_ns = now;
       }
       if (said.priority == Priority::kCallout) {

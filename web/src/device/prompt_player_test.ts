@@ -50,7 +50,7 @@ function makePlayer() {
 }
 
 const prompt = (text: string, priority: Priority = 'answer'): QueuedPrompt => ({
-  key: text, text, language: 'en', priority, sound: 'answer', valid_until_t: 1e9,
+  key: text, text, language: 'en', priority, sound: 'answer', valid_until_t: 1e9, answer_to: priority === 'answer' ? 1 : null,
 });
 
 test('the sound comes before the words, and prompts follow each other', () => {
@@ -131,15 +131,15 @@ test('asked while a hazard is spoken: the hazard stays, the older answer goes', 
   assert.deepEqual(world.heard.slice(-4), ['0 (answer)', '200 stairs', '2200 (answer)', '2400 kitchen']);
 });
 
-test('asked while a notice or a callout is spoken: it is spoken to its end', () => {
-  for (const priority of ['notice', 'callout'] as const) {
+test('asked while a notice or a callout is spoken: the answer breaks it off; the notice comes again', () => {
+  for (const [priority, again] of [['notice', ['3200 (answer)', '3400 dark']], ['callout', []]] as const) {
     const { player, world, runTo } = makePlayer();
     player.push(prompt('dark', priority));
     runTo(1000);
     player.withdrawAnswers();
     player.push(prompt('kitchen'));
     runTo(20_000);
-    assert.deepEqual(world.heard, ['0 (answer)', '200 dark', '2200 (answer)', '2400 kitchen']);
+    assert.deepEqual(world.heard, ['0 (answer)', '200 dark', '1000 stop', '1000 (answer)', '1200 kitchen', ...again]);
   }
 });
 
@@ -159,11 +159,11 @@ test('an answer that comes too late, or waits too long, is told to have failed, 
   player.push({ ...prompt('late'), valid_until_t: 900 });
   runTo(5000);
   assert.deepEqual(world.heard, ['1000 (answer)', '1200 failed']);
-  player.push(prompt('dark', 'notice'));
+  player.push(prompt('around'));
   player.push({ ...prompt('room'), valid_until_t: 6000 });
   player.push({ ...prompt('thing'), valid_until_t: 6000 });
   runTo(20_000);
-  assert.deepEqual(world.heard.slice(2), ['5000 (answer)', '5200 dark', '7200 (answer)', '7400 failed']);
+  assert.deepEqual(world.heard.slice(2), ['5000 (answer)', '5200 around', '7200 (answer)', '7400 failed']);
 });
 
 test('the last words end what is spoken, and nothing follows them', () => {

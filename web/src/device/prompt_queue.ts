@@ -6,7 +6,8 @@
 //   is not said itself; it is as urgent as what it replaces: somebody asked.
 // - Nothing begins after its valid_until_t. An answer of which nothing was begun by then is lost, and that can be told.
 // - A hazard interrupts all but a hazard. It comes with every picture that shows it: the same one not again within 4 s.
-//   An answer or notice that it broke off is begun again afterwards, where it still holds.
+//   An answer that was asked for interrupts a notice or callout, since it holds for seconds.
+//   An answer or notice that was broken off is begun again afterwards, where it still holds.
 // - Callouts: 0.75 s of silence before one, whatever was said last; not what was said within a minute, by an answer either;
 //   none while it is quiet.
 import type { Priority, Prompt } from '../shared/protocol';
@@ -14,7 +15,7 @@ import type { Priority, Prompt } from '../shared/protocol';
 export type QueuedPrompt = Pick<
   Prompt,
   'key' | 'text' | 'language' | 'priority' | 'sound' | 'valid_until_t'
->;
+> & Partial<Pick<Prompt, 'answer_to'>>; // a guide also speaks by itself, as urgently as it answers
 
 export const kCalloutGapMs = 750;
 export const kSameCalloutMs = 60_000;
@@ -29,6 +30,7 @@ export type Step<P> =
 interface Waiting<P> {
   prompt: P;
   place: number; // in the order of coming
+  isAskedFor: boolean;
   wasBegun: boolean; // and broken off
 }
 
@@ -44,16 +46,18 @@ export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
   push(newest: P, now: number): void {
     const prompt = { ...newest };
     let place = this.places++;
+    let isAskedFor = isAnswer(prompt);
     const older = this.waiting.filter((one) => isOf(one.prompt.key, prompt.key));
     for (const one of older.filter((each) => !isLate(each.prompt, now))) {
       prompt.priority = moreUrgent(prompt.priority, one.prompt.priority);
       place = Math.min(place, one.place);
+      isAskedFor ||= one.isAskedFor;
     }
     // Also where this one is not said: it is the newer word on the same.
     this.waiting = this.waiting.filter((one) => !older.includes(one));
     const isUnwanted = this.quiet && prompt.priority === 'callout';
     if (!isUnwanted && !this.wasSaidLately(prompt, now)) {
-      this.waiting.push({ prompt, place, wasBegun: false });
+      this.waiting.push({ prompt, place, isAskedFor, wasBegun: false });
     }
   }
 
@@ -138,27 +142,28 @@ export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
     }
     const parts = this.waiting.filter(({ prompt }) => wholeOf(prompt) === wholeOf(broken));
     const place = Math.min(this.places++, ...parts.map((part) => part.place));
-    this.waiting.unshift({ prompt: broken, place, wasBegun: true });
+    this.waiting.unshift({ prompt: broken, place, isAskedFor: false, wasBegun: true });
   }
 
   private dropLate(now: number): void {
     const late = this.waiting.filter(({ prompt }) => isLate(prompt, now));
-    this.lost ||= late.some(({ prompt, wasBegun }) => prompt.priority === 'answer' && !wasBegun);
+    this.lost ||= late.some(({ prompt, isAskedFor, wasBegun }) => prompt.priority === 'answer' && isAskedFor && !wasBegun);
     this.waiting = this.waiting.filter((one) => !late.includes(one));
   }
 
   private mostUrgent(now: number): Waiting<P> | null {
-    const may = this.waiting.filter(({ prompt }) => this.mayBegin(prompt, now));
+    const may = this.waiting.filter((one) => this.mayBegin(one, now));
     may.sort((a, b) => kUrgency[a.prompt.priority] - kUrgency[b.prompt.priority] || a.place - b.place);
     return may[0] ?? null;
   }
 
-  private mayBegin(prompt: P, now: number): boolean {
+  private mayBegin(one: Waiting<P>, now: number): boolean {
+    const { prompt } = one;
     if (isLate(prompt, now) || this.wasSaidLately(prompt, now)) {
       return false;
     }
     if (this.spoken) {
-      return prompt.priority === 'hazard' && this.spoken.priority !== 'hazard';
+      return interrupts(one, this.spoken.priority);
     }
     return prompt.priority !== 'callout' || now >= this.silentSince + kCalloutGapMs;
   }
@@ -166,6 +171,17 @@ export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
   private wasSaidLately(prompt: P, now: number): boolean {
     return now < (this.begunAt.get(nameOf(prompt)) ?? -Infinity) + againAfterMs(prompt);
   }
+}
+
+function interrupts({ prompt, isAskedFor }: Waiting<QueuedPrompt>, spoken: Priority): boolean {
+  if (prompt.priority === 'hazard') {
+    return spoken !== 'hazard';
+  }
+  return prompt.priority === 'answer' && isAskedFor && kUrgency[spoken] > kUrgency.answer;
+}
+
+function isAnswer(prompt: QueuedPrompt): boolean {
+  return typeof prompt.answer_to === 'number';
 }
 
 function againAfterMs({ priority }: QueuedPrompt): number {

@@ -5,7 +5,7 @@ import type { Priority } from '../shared/protocol';
 import { kCalloutGapMs, kSameCalloutMs, kSameHazardMs, PromptQueue, type QueuedPrompt } from './prompt_queue';
 
 function prompt(key: string, priority: Priority, more: Partial<QueuedPrompt> = {}): QueuedPrompt {
-  return { key, text: key, language: 'en', priority, sound: 'none', valid_until_t: 1e9, ...more };
+  return { key, text: key, language: 'en', priority, sound: 'none', valid_until_t: 1e9, answer_to: priority === 'answer' ? 1 : null, ...more };
 }
 
 // The key that is begun at `now`, or what else is to be done.
@@ -80,11 +80,11 @@ test('nothing begins after its time, neither on arrival nor after waiting', () =
   assert.equal(begun(queue, 300), 'just in time');
 });
 
-test('only a hazard interrupts, and no hazard another', () => {
+test('a hazard interrupts, and no hazard another', () => {
   const queue = new PromptQueue();
   queue.push(prompt('room', 'callout'), 0);
   assert.equal(begun(queue, 0), 'room');
-  queue.push(prompt('where', 'answer'), 10);
+  queue.push(prompt('dark', 'notice'), 10);
   assert.equal(begun(queue, 10), 'nothing');
   queue.push(prompt('stairs', 'hazard'), 20);
   const step = queue.step(20);
@@ -257,6 +257,37 @@ test('an answer that was never begun in its time is lost; what was begun or repl
   assert.equal(queue.takeLost(500), true, 'it came too late');
 });
 
+test('what a guide says by itself is no answer that somebody misses, but where it took the place of one', () => {
+  const queue = new PromptQueue();
+  queue.push(prompt('rooms', 'answer'), 0);
+  assert.equal(begun(queue, 0), 'rooms');
+  queue.push(prompt('guide', 'answer', { answer_to: null, valid_until_t: 100 }), 10);
+  assert.equal(queue.takeLost(200), false);
+  queue.push(prompt('guide', 'answer', { valid_until_t: 400 }), 300);
+  queue.push(prompt('guide', 'answer', { answer_to: null, valid_until_t: 400 }), 310);
+  assert.equal(queue.takeLost(500), true);
+});
+
+test('an answer interrupts a notice or callout, since it holds for seconds; a guide that nobody asked does not', () => {
+  const queue = new PromptQueue();
+  queue.push(prompt('hall', 'callout'), 0);
+  assert.equal(begun(queue, 0), 'hall');
+  queue.push(prompt('guide', 'answer', { answer_to: null }), 100);
+  assert.equal(begun(queue, 100), 'nothing');
+  queue.push(prompt('room', 'answer', { valid_until_t: 3000 }), 150);
+  const step = queue.step(150);
+  assert.equal(step.do === 'begin' && step.prompt.key, 'room');
+  assert.equal(step.do === 'begin' && step.interrupts, true);
+  queue.push(prompt('other', 'answer'), 200);
+  assert.equal(begun(queue, 200), 'nothing', 'one answer does not interrupt another');
+  queue.ended(300);
+  assert.deepEqual(spokenInOrder(queue, 300), ['guide', 'other']);
+  queue.push(prompt('dark', 'notice'), 5000);
+  assert.equal(begun(queue, 5000), 'dark');
+  queue.push(prompt('room', 'answer'), 5100);
+  assert.deepEqual(spokenInOrder(queue, 5100), ['room', 'dark'], 'the notice is said again');
+});
+
 test('the rest of an answer that could not be begun is lost like a whole one', () => {
   const queue = new PromptQueue();
   queue.push(prompt('around', 'answer', { valid_until_t: 100 }), 0);
@@ -318,8 +349,8 @@ test('on any run of prompts: one at a time, none late, callouts after silence an
     assert.ok(step.prompt.valid_until_t >= now);
     assert.equal(step.interrupts, before !== null);
     if (before) {
-      assert.equal(step.prompt.priority, 'hazard');
-      assert.notEqual(before.priority, 'hazard');
+      assert.ok(['hazard', 'answer'].includes(step.prompt.priority));
+      assert.ok(priorities.indexOf(before.priority) > priorities.indexOf(step.prompt.priority));
       lastEnd = now;
     }
     if (step.prompt.priority === 'callout') {
