@@ -170,7 +170,7 @@ TEST_F(StudyCommandTest, AFolderOfStudiesIsCarriedOutByOneCommandWithATableOfEac
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.output, HasSubstr("4 tasks: 4 done, 0 failed, 0 open"));
   const std::string page = read_text_file(folder_ / "out.md").value();
-  EXPECT_LT(page.find("**first**"), page.find("**paths**"));
+  EXPECT_LT(page.find("## first"), page.find("## paths"));
   EXPECT_EQ(page,
             run_program(laboratory_, {"study-table", folder_ / "out/a", folder_ / "out/b"}).output);
   ASSERT_OK(write_file(folder_ / "all/c.toml", std::string_view("[study]\n")));

@@ -70,12 +70,13 @@ Expected<std::string> table_in(const studies::StudyStore& store) {
   return studies::table_of(store.study(), store.tasks(), results);
 }
 
-// A page of them, each under its study's name.
+// A page of them, each under its study's name and the program that it is of.
 Expected<std::string> tables_in(std::span<const studies::StudyStore> stores) {
-  std::string page;
+  std::string page = "# Tables of studies\n";
   for (const studies::StudyStore& store : stores) {
     ROOMWISE_TRY(const std::string table, table_in(store));
-    page += fmt::format("{}**{}**\n\n{}", page.empty() ? "" : "\n", store.study().name, table);
+    page +=
+        fmt::format("\n## {}\n\nBy roomwise {}.\n\n{}", store.study().name, store.version(), table);
   }
   return page;
 }
