@@ -185,10 +185,13 @@ void say_ahead_by_map(const HomeMap& map, const Pose& pose, bool is_looked_at,
     answer.say(message + (is_looked_at ? "" : "_by_map"), values, kDirectionValid_s,
                is_sure && is_looked_at);
   };
+  const bool is_occupied = ahead.cell == fusion::FloorCell::kOccupied;
+  // Who was told that something is ahead does not want to hear that the map has nothing there.
+  if (!answer.empty() && !is_occupied) return;
   if (ahead.cell == fusion::FloorCell::kUnknown && ahead.distance_m == 0) {
     return answer.say_unsure("ahead.unknown");
   }
-  if (ahead.cell != fusion::FloorCell::kOccupied) return say("ahead.free", true);
+  if (!is_occupied) return say("ahead.free", true);
   const KnownThing* const there = thing_at(ahead.place_gravity, map);
   if (there == nullptr) return say("ahead.something", true);
   values["thing"] = thing(there->name);

@@ -171,6 +171,15 @@ TEST_F(HomePromptsTest, TheFreeStretchAheadEndsWhereTheMapKnowsNoMoreAndBeginsAt
   EXPECT_EQ(told({10, 22}, FloorCell::kUnknown), "I do not know what is ahead.");
 }
 
+TEST_F(HomePromptsTest, WhoIsToldThatSomethingIsAheadIsNotToldThatTheMapHasNothingThere) {
+  const UserLocation here{Pose{Vector2d(1.05, 2.05), 0, 0.05}, "bedroom"};
+  const auto floor =
+      testing::two_rooms().fill({30, 22}, {31, 23}, fusion::FloorCell::kUnknown).grid();
+  const HomeMap map{&floor, &layout_, layout_.doorways(), {}};
+  EXPECT_THAT(said(ahead_prompts(map, here, DepthAhead{true, 0.9}, english_, today_)),
+              ElementsAre("Something is ahead now, 1 step."));
+}
+
 TEST_F(HomePromptsTest, FacingIsTheNearestAtTwelve) {
   const UserLocation here{Pose{Vector2d(1, 1), 0, 0.05}, "bedroom"};
   things_ = {standing("bed", {1, 3, 0.4}, {1, 1, 0.5}), standing("lamp", {3, 1, 1}, {0, 0, 0}),
@@ -267,7 +276,7 @@ TEST_F(HomePromptsTest, EveryRefusalSaysWhatCanBeAsked) {
     return said(refusal_prompts(heard, home, english_, 0));
   };
   const std::string examples = "You can ask: where am I, what is around me.";
-  const std::string of_things = "Or: where is the bed, what is on the bed.";
+  const std::string of_things = "Or: where is the bed, how far is the bed.";
   const std::string of_rooms = "Or: take me to the kitchen, which rooms are there.";
   EXPECT_THAT(refusal("sing!"),
               ElementsAre("I did not understand.", examples, of_things, of_rooms));

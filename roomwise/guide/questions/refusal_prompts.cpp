@@ -7,7 +7,7 @@
 namespace roomwise::guide {
 namespace {
 
-// What something may lie on, where the home has it.
+// Something large, where the home has it.
 const std::string& example_of(const HomeNames& home) {
   const auto found = std::ranges::find_if(home.things, [](const std::string& name) {
     const objects::Kind* const kind = objects::find_kind(name);
