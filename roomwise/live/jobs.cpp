@@ -1,6 +1,7 @@
 #include "roomwise/live/jobs.h"
 
 #include <chrono>
+#include <system_error>
 
 #include "roomwise/live/seconds_since.h"
 
@@ -99,35 +100,43 @@ Expected<void> Jobs::start(const std::string& kind, Body body) {
     if (running_) {
       return fail("the computer is busy ({}); wait until it is done, or stop it", state_->kind);
     }
-    running_ = true;
-    stop_ = false;
-    state_ = service::JobState{kind, "running", "", 0, {}, ""};
   }
   if (thread_.joinable()) thread_.join();
-  thread_ = std::thread([this, kind, body = std::move(body)] {
-    service::JobState state{kind, "running", "", 0, {}, ""};
-    const Clock::time_point began = Clock::now();
-    report_({.kind = kind, .state = state.state});
-    publish(state);
-    Teller teller(*this, state);
-    const Expected<JobEnd> end = carry_out(body, teller);
-    const ErrorCode code = end ? ErrorCode::kFailed : end.error().code;
-    const bool is_done = end && !end->has_failed;
-    state.fraction = is_done ? 1 : 0;
-    state.state = is_done ? "done" : code == ErrorCode::kInterrupted ? "stopped" : "failed";
-    state.text = end ? end->text : end.error().message;
-    state.message = end ? end->message : message_of(code);
-    if (end) state.values = end->values;
-    report_({kind, state.state, state.text, code, seconds_since(began)});
-    {
-      const std::scoped_lock lock(mutex_);
-      state_ = state;
-      running_ = false;
-    }
-    tell_(state);
-    ended_.notify_all();
-  });
+  const std::scoped_lock lock(mutex_);  // its thread says that it runs once it is known to
+  try {
+    thread_ = start_thread_([this, kind, body = std::move(body)] { run(kind, body); });
+  } catch (const std::system_error& fault) {
+    return fail("{} cannot begin: the system gives no thread for it ({}); close other programs",
+                kind, fault.what());
+  }
+  running_ = true;
+  stop_ = false;
+  state_ = service::JobState{kind, "running", "", 0, {}, ""};
   return {};
+}
+
+void Jobs::run(const std::string& kind, const Body& body) {
+  service::JobState state{kind, "running", "", 0, {}, ""};
+  const Clock::time_point began = Clock::now();
+  report_({.kind = kind, .state = state.state});
+  publish(state);
+  Teller teller(*this, state);
+  const Expected<JobEnd> end = carry_out(body, teller);
+  const ErrorCode code = end ? ErrorCode::kFailed : end.error().code;
+  const bool is_done = end && !end->has_failed;
+  state.fraction = is_done ? 1 : 0;
+  state.state = is_done ? "done" : code == ErrorCode::kInterrupted ? "stopped" : "failed";
+  state.text = end ? end->text : end.error().message;
+  state.message = end ? end->message : message_of(code);
+  if (end) state.values = end->values;
+  report_({kind, state.state, state.text, code, seconds_since(began)});
+  {
+    const std::scoped_lock lock(mutex_);
+    state_ = state;
+    running_ = false;
+  }
+  tell_(state);
+  ended_.notify_all();
 }
 
 bool Jobs::stop(std::optional<std::string_view> kind) {

@@ -41,17 +41,22 @@ class Jobs {
  public:
   // `tell` is called with every change that people should see (at most five times a second while
   // work goes on), on the job's thread or on that of start(). `report`: of each job's begin and
-  // end, on the job's thread, before tell() is called.
+  // end, on the job's thread, before tell() is called. `start_thread`: for tests; may throw
+  // std::system_error, as std::thread does where the system gives no more threads.
   explicit Jobs(
       std::function<void(const service::JobState&)> tell,
-      std::function<void(const JobNews&)> report = [](const JobNews&) {})
-      : tell_(std::move(tell)), report_(std::move(report)) {}
+      std::function<void(const JobNews&)> report = [](const JobNews&) {},
+      std::function<std::thread(std::function<void()>)> start_thread =
+          [](std::function<void()> work) { return std::thread(std::move(work)); })
+      : tell_(std::move(tell)),
+        report_(std::move(report)),
+        start_thread_(std::move(start_thread)) {}
   ~Jobs();  // stops the work and waits for it
 
   // What is done: gets a place to tell how far it is, which also says when to stop; returns what
   // came of it.
   using Body = std::function<Expected<JobEnd>(Progress&)>;
-  // Fails where a job is running already.
+  // Fails where a job is running already, or no thread can be had for it: then it never ran.
   [[nodiscard]] Expected<void> start(const std::string& kind, Body body);
   // Asks the running job to stop, of that kind if one is given. False where none such is running.
   bool stop(std::optional<std::string_view> kind = {});
@@ -64,9 +69,11 @@ class Jobs {
  private:
   class Teller;
   void publish(const service::JobState& state);
+  void run(const std::string& kind, const Body& body);  // on its thread
 
   std::function<void(const service::JobState&)> tell_;
   std::function<void(const JobNews&)> report_;
+  std::function<std::thread(std::function<void()>)> start_thread_;
   std::mutex thread_mutex_;  // of thread_, taken before mutex_
   mutable std::mutex mutex_;
   std::condition_variable ended_;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <future>
+#include <system_error>
 #include <vector>
 
 #include "roomwise/base/testing/testing.h"
@@ -62,6 +63,29 @@ TEST(Jobs, OneAtATime) {
   go.set_value();
   jobs.wait();
   EXPECT_OK(jobs.start("map", [](Progress&) -> Expected<JobEnd> { return JobEnd{}; }));
+}
+
+TEST(Jobs, WhereNoThreadCanBeHadNoneIsRunningAndTheNextMayBegin) {
+  bool has_threads = false;
+  Jobs jobs(
+      [](const service::JobState&) {}, [](const JobNews&) {},
+      [&](std::function<void()> work) {
+        if (has_threads) return std::thread(std::move(work));
+        throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+      });
+  const auto nothing = [](Progress&) -> Expected<JobEnd> { return JobEnd{}; };
+  EXPECT_ERROR(jobs.start("map", nothing), "map cannot begin: the system gives no thread");
+  EXPECT_FALSE(jobs.running());
+  EXPECT_FALSE(jobs.stop());
+  EXPECT_FALSE(jobs.state());
+  jobs.wait();
+  has_threads = true;
+  ASSERT_OK(jobs.start("learn", nothing));
+  jobs.wait();
+  EXPECT_EQ(jobs.state()->kind, "learn");
+  has_threads = false;
+  EXPECT_ERROR(jobs.start("map", nothing), "map cannot begin");
+  EXPECT_EQ(jobs.state()->kind, "learn") << "what was done before is still told";
 }
 
 TEST(Jobs, AreStoppedWhenAskedAndWhenTheyGo) {
