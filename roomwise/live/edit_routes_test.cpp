@@ -12,6 +12,7 @@
 #include "roomwise/image/codec.h"
 #include "roomwise/live/home_routes.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/pipeline/rooms/room_outline.h"
 #include "roomwise/pipeline/stored/map_settings.h"
 
 namespace roomwise::live {
@@ -140,6 +141,9 @@ TEST_F(EditRoutes, ThePlanHasRoomsAsPolygonsAndTheDoorsBetween) {
   EXPECT_EQ(plan.at("doors")[0].at("rooms"), json({"bedroom", "kitchen"}));
   EXPECT_TRUE(plan.at("doors")[0].at("door").is_boolean());
   EXPECT_EQ(std::remainder(plan.at("right_degrees").get<double>(), 1), 0) << "whole degrees";
+  const auto map = live_->view()->map;
+  EXPECT_EQ(map->right_rad,
+            pipeline::drawing_direction_rad(map->floor.value(), map->frame.storeys));
 }
 
 TEST_F(EditRoutes, WhatTheWalksHaveNotShownIsToldOfEachRoom) {

@@ -210,10 +210,7 @@ Json plan_json(const HomeView& view) {
                        {"door", door.is_door()}});
     }
   }
-  double right_rad = 0;
-  if (view.map && view.map->floor) {
-    right_rad = pipeline::drawing_direction_rad(*view.map->floor, view.map->frame.storeys);
-  }
+  const double right_rad = view.map ? view.map->right_rad : 0;
   return {{"rooms", std::move(rooms)},
           {"doors", std::move(doors)},
           {"right_degrees", right_rad * 180 / std::numbers::pi}};

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 namespace roomwise::live {
 namespace {
 
@@ -18,6 +20,17 @@ TEST(HomeJson, TellsWhatTheNewestWalkChanged) {
   EXPECT_EQ(changes.at("things")[0].at("moved_m"), 1.5);
   EXPECT_EQ(changes.at("things")[1].at("what"), "gone");
   EXPECT_TRUE(changes.at("things")[1].at("room").is_null());
+}
+
+TEST(HomeJson, ThePlanIsTurnedAsWasWorkedOutWhenTheMapWasMadeReady) {
+  HomeView view;
+  EXPECT_EQ(plan_json(view).at("right_degrees"), 0) << "there is no map";
+  LiveMap map;
+  map.floor.emplace(Eigen::Vector2d(-1, -1), 0.05,
+                    image::Image<fusion::FloorCell>(40, 40, fusion::FloorCell::kFree));
+  map.right_rad = std::numbers::pi / 6;  // which nothing on this floor says
+  view.map = std::make_shared<const LiveMap>(std::move(map));
+  EXPECT_NEAR(plan_json(view).at("right_degrees").get<double>(), 30, 1e-9);
 }
 
 TEST(HomeJson, TellsOnWhichStoreyAKeyFrameIs) {

@@ -1,6 +1,7 @@
 #include "roomwise/live/live_map.h"
 
 #include "roomwise/pipeline/mapping/home_floor.h"
+#include "roomwise/pipeline/rooms/room_outline.h"
 
 namespace roomwise::live {
 
@@ -18,9 +19,12 @@ Expected<std::shared_ptr<const LiveMap>> make_live_map(const home::Home& home,
                                                        pipeline::RunContext& run) {
   ROOMWISE_TRY(auto localizer, pipeline::HomeLocalizer::create(home, {}, run));
   ROOMWISE_TRY(pipeline::HomeFloor floor, pipeline::find_home_floor(home, run));
+  const double right_rad =
+      floor.grid ? pipeline::drawing_direction_rad(*floor.grid, floor.frame.storeys) : 0;
   return std::make_shared<const LiveMap>(
       LiveMap{.frame = floor.frame,
               .floor = std::move(floor.grid),
+              .right_rad = right_rad,
               .clouds = nullptr,
               .localizer = std::make_shared<const pipeline::HomeLocalizer>(std::move(localizer))});
 }

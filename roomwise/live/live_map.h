@@ -23,7 +23,8 @@ struct MapClouds {
 // A home's map made ready for questions, and only read afterwards.
 struct LiveMap {
   fusion::GravityAlignedFrame frame;
-  std::optional<fusion::FloorGrid> floor;                    // where the map shows one
+  std::optional<fusion::FloorGrid> floor;  // where the map shows one
+  double right_rad = 0;  // how its plan is turned: pipeline::drawing_direction_rad() of the floor
   std::shared_ptr<const MapClouds> clouds;                   // null: not fused yet
   std::shared_ptr<const pipeline::HomeLocalizer> localizer;  // null: pictures are not placed
 };
