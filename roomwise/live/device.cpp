@@ -686,13 +686,9 @@ void Device::record_to(std::shared_ptr<WalkRecorder> recorder) {
 // ---- from the home ----
 
 void Device::home_changed() {
-  std::string text;
-  {
-    const std::scoped_lock lock(mutex_);
-    if (!greeted_) return;
-    text = service::write_home_changed(welcome());
-  }
-  out_->send_text(std::move(text));
+  // Sent under the lock: of two changes at once the later one is told last.
+  const std::scoped_lock lock(mutex_);
+  if (greeted_) out_->send_text(service::write_home_changed(welcome()));
 }
 
 void Device::send(const service::HomeMessage& message) {

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <functional>
+#include <thread>
+
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
 
@@ -17,6 +20,7 @@ class Wire final : public service::SocketOut {
  public:
   void send_text(std::string text) override {
     if (std::exchange(is_broken, false)) throw std::runtime_error("a fault");
+    if (const auto now = std::exchange(on_send, {})) now();
     texts.push_back(std::move(text));
   }
   void close(std::string reason) override { closed = std::move(reason); }
@@ -35,7 +39,8 @@ class Wire final : public service::SocketOut {
 
   std::vector<std::string> texts;
   std::optional<std::string> closed;
-  bool is_broken = false;  // for the next message
+  bool is_broken = false;         // for the next message
+  std::function<void()> on_send;  // called as the next message is sent, before it is kept
 };
 
 class Host final : public DeviceHost {
@@ -45,7 +50,9 @@ class Host final : public DeviceHost {
   }
   void has_work(const std::shared_ptr<Device>&) override { ++asked_to_work; }
   void saw(const Device&, const FrameResult& result) override { seen.push_back(result.t_ms); }
-  void looked(double, bool well) override { looked_well.push_back(well); }
+  void looked(double, bool well) override {
+    looked_well.push_back(well);
+  }
   void answered(service::Question question, double seconds) override {
     answers.push_back(question);
     EXPECT_GE(seconds, 0);
@@ -145,6 +152,29 @@ TEST_F(DeviceTest, IsWelcomedWithWhatTheHomeHas) {
   EXPECT_THAT(welcome[0].rooms, ::testing::ElementsAre("bath", "kitchen"));
   EXPECT_THAT(welcome[0].things, ::testing::ElementsAre("bed"));  // each name once
   EXPECT_FALSE(welcome[0].sees_rooms);
+}
+
+TEST_F(DeviceTest, OfTwoChangesAtOnceTheLaterIsToldLast) {
+  say(hello());
+  (void)wire->take<service::Welcome>();
+  host.home = std::make_shared<HomeView>();
+  host.home->name = "older";
+  std::thread other;
+  wire->on_send = [&] {
+    other = std::thread([&] {
+      auto newer = std::make_shared<HomeView>();
+      newer->name = "newer";
+      host.home = newer;
+      device->home_changed();
+    });
+    // However far the other comes meanwhile, it must not overtake.
+    for (int i = 0; i < 10'000; ++i) std::this_thread::yield();
+  };
+  device->home_changed();
+  other.join();
+  ASSERT_THAT(wire->texts, SizeIs(2));
+  EXPECT_THAT(wire->texts[0], HasSubstr("older"));
+  EXPECT_THAT(wire->texts[1], HasSubstr("newer"));
 }
 
 TEST_F(DeviceTest, EveryQuestionIsTimedUntilItsAnswerByWhatItMeans) {
