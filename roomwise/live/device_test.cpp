@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 
 #include <functional>
+#include <future>
+#include <mutex>
 #include <thread>
 
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/live/frame_workers.h"
 
 namespace roomwise::live {
 namespace {
@@ -52,6 +55,7 @@ class Host final : public DeviceHost {
   void saw(const Device&, const FrameResult& result) override { seen.push_back(result.t_ms); }
   void looked(double, bool well) override {
     looked_well.push_back(well);
+    if (on_looked) on_looked();
   }
   void answered(service::Question question, double seconds) override {
     answers.push_back(question);
@@ -108,6 +112,7 @@ class Host final : public DeviceHost {
   int asked_to_work = 0;
   std::vector<double> seen;
   std::vector<bool> looked_well;
+  std::function<void()> on_looked;
   std::vector<service::Question> answers;
   std::vector<std::string> not_stored;
   std::vector<service::RecordingState> recordings;
@@ -175,6 +180,30 @@ TEST_F(DeviceTest, OfTwoChangesAtOnceTheLaterIsToldLast) {
   ASSERT_THAT(wire->texts, SizeIs(2));
   EXPECT_THAT(wire->texts[0], HasSubstr("older"));
   EXPECT_THAT(wire->texts[1], HasSubstr("newer"));
+}
+
+TEST_F(DeviceTest, AFaultInItsWorkIsReportedAndTheNextFrameIsLookedAt) {
+  say(hello());
+  std::mutex mutex;
+  std::vector<std::string> faults;
+  const auto look = [&] {
+    FrameWorkers workers(1, [&](const Error& fault) {
+      const std::scoped_lock lock(mutex);
+      faults.push_back(fault.message);
+    });
+    std::promise<void> looked;
+    host.on_looked = [&] { looked.set_value(); };
+    workers.add(device);
+    looked.get_future().wait();
+  };
+  show(100);
+  wire->is_broken = true;  // where it is told what is seen
+  look();
+  EXPECT_THAT(faults, ::testing::ElementsAre(HasSubstr("a fault")));
+  show(200);
+  look();
+  EXPECT_THAT(faults, SizeIs(1));
+  EXPECT_THAT(host.looked_well, SizeIs(2));
 }
 
 TEST_F(DeviceTest, EveryQuestionIsTimedUntilItsAnswerByWhatItMeans) {

@@ -1,5 +1,9 @@
 #include "roomwise/live/frame_workers.h"
 
+#include <fmt/format.h>
+
+#include <exception>
+
 namespace roomwise::live {
 
 FrameWorkers::~FrameWorkers() {
@@ -19,7 +23,12 @@ void FrameWorkers::work(const std::shared_ptr<Device>& device) {
     waiting_.erase(device);
     if (closing_) return;
   }
-  if (device->work()) add(device);
+  // The pool's future, in which a fault would be kept, is asked by nobody.
+  try {
+    if (device->work()) add(device);
+  } catch (const std::exception& fault) {
+    report_(Error{fmt::format("internal error, please report it: {}", fault.what())});
+  }
 }
 
 }  // namespace roomwise::live

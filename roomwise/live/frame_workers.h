@@ -1,9 +1,11 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <set>
 
+#include "roomwise/base/expected.h"
 #include "roomwise/base/thread_pool.h"
 #include "roomwise/live/device.h"
 
@@ -13,7 +15,10 @@ namespace roomwise::live {
 // processor evenly.
 class FrameWorkers {
  public:
-  explicit FrameWorkers(std::size_t threads) : pool_(threads) {}
+  // `report` is told, on one of the threads, of a fault in a device's work: the device is looked at
+  // again when its next frame comes.
+  FrameWorkers(std::size_t threads, std::function<void(const Error&)> report)
+      : report_(std::move(report)), pool_(threads) {}
   ~FrameWorkers();  // drops what waits, finishes what is in work
   FrameWorkers(const FrameWorkers&) = delete;
   FrameWorkers& operator=(const FrameWorkers&) = delete;
@@ -24,6 +29,7 @@ class FrameWorkers {
  private:
   void work(const std::shared_ptr<Device>& device);
 
+  std::function<void(const Error&)> report_;
   std::mutex mutex_;
   std::set<std::shared_ptr<Device>> waiting_;
   bool closing_ = false;

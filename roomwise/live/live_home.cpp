@@ -96,7 +96,10 @@ Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
   live->jobs_ = std::make_unique<Jobs>(
       [raw = live.get()](const service::JobState& state) { raw->tell_helpers(state); },
       [raw = live.get()](const JobNews& news) { raw->meters_.on_job(news); });
-  live->looking_ = std::make_unique<FrameWorkers>(live->options_.frame_workers);
+  live->looking_ = std::make_unique<FrameWorkers>(
+      live->options_.frame_workers, [raw = live.get()](const Error& fault) {
+        raw->meters_.failed("looking at what a device sent", fault);
+      });
 
   ROOMWISE_TRY(const auto waiting, live->waiting_walk());
   ROOMWISE_CHECK_OK(waiting ? live->start_mapping_what_waits() : live->go_on_preparing());
