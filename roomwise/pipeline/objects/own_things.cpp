@@ -113,7 +113,9 @@ std::optional<std::int64_t> seconds_of(TimestampNs timestamp_ns) {
   return timestamp_ns / kSecond_ns;
 }
 
-bool is_newer(const home::OwnThingSighting& one, const home::OwnThingSighting& known) {
+// The same walk, looked through again, tells nothing that was not known.
+bool is_news(const home::OwnThingSighting& one, const home::OwnThingSighting& known) {
+  if (one == known) return false;
   if (!known.is_known() || !known.seen_s) return true;
   return one.seen_s && *one.seen_s >= *known.seen_s;
 }
@@ -327,7 +329,7 @@ Expected<std::size_t> note_own_things(home::Home& home, const OwnThingSightings&
   std::size_t noted = 0;
   for (const home::OwnThing& thing : things) {
     const auto found = seen.find(thing.id);
-    if (found == seen.end() || !is_newer(found->second, thing.last_seen)) continue;
+    if (found == seen.end() || !is_news(found->second, thing.last_seen)) continue;
     ROOMWISE_CHECK_OK(home.put_own_thing_sighting(thing.id, found->second));
     ++noted;
   }

@@ -91,8 +91,8 @@ constexpr std::size_t kWalkPictures = 200;
                                                           home::RecordingId walk,
                                                           const OwnThingWatch& watch,
                                                           RunContext& run);
-// Notes where they were seen on a walk, unless the home knows of a later sighting; of how many it
-// was noted.
+// Notes where they were seen on a walk, unless the home knows of a later sighting, or of this one;
+// of how many it was noted.
 [[nodiscard]] Expected<std::size_t> note_own_things(home::Home& home,
                                                     const OwnThingSightings& seen);
 
