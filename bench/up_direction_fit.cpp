@@ -25,6 +25,7 @@
 #include "roomwise/motion/rgbd_pyramid.h"
 #include "roomwise/recording/open_recording.h"
 #include "roomwise/recording/trajectory_file.h"
+#include "turning_speed.h"
 
 namespace {
 
@@ -55,7 +56,8 @@ struct Recording {
 constexpr int kEvery = 3;  // frames
 
 // The true pose at a time, and how fast the camera turned; nothing where truth has none so near.
-std::optional<View> true_view(const recording::Trajectory& truth, TimestampNs time_ns) {
+// Fails where the truth does not tell the speed.
+Expected<std::optional<View>> true_view(const recording::Trajectory& truth, TimestampNs time_ns) {
   constexpr TimestampNs kNear_ns = 20'000'000;
   const auto after =
       std::ranges::lower_bound(truth, time_ns, {}, &recording::StampedPose::timestamp_ns);
@@ -67,11 +69,8 @@ std::optional<View> true_view(const recording::Trajectory& truth, TimestampNs ti
     if (off_ns > nearest_ns) continue;
     nearest_ns = off_ns;
     view = View{at->world_from_camera, 0, {}};
-    const auto& from = at == truth.begin() ? *at : *(at - 1);
-    const auto& to = at + 1 == truth.end() ? *at : *(at + 1);
-    const double seconds = static_cast<double>(to.timestamp_ns - from.timestamp_ns) * kSecondsPerNs;
-    view->speed_rad_s =
-        (from.world_from_camera.inverse() * to.world_from_camera).angle_rad() / seconds;
+    ROOMWISE_TRY(view->speed_rad_s,
+                 turning_speed_rad_s(truth, static_cast<std::size_t>(at - truth.begin())));
   }
   return view;
 }
@@ -85,7 +84,9 @@ Expected<std::vector<View>> views_of(const std::filesystem::path& folder,
     ROOMWISE_TRY(const auto frame, source->next());
     if (!frame) return views;
     if (i % kEvery != 0) continue;
-    auto view = true_view(truth, frame->timestamp_ns);
+    auto found = true_view(truth, frame->timestamp_ns);
+    if (!found) return Unexpected(std::move(found).error().in(folder.string()));
+    std::optional<View> view = *std::move(found);
     if (!view) continue;
     const motion::RgbdPyramid small = motion::make_rgbd_pyramid(
         image::to_gray(frame->color), frame->depth, source->info().camera);
