@@ -28,6 +28,45 @@ std::vector<std::optional<RigidTransform>> steps_to_next(std::span<const std::si
   return steps;
 }
 
+// How a camera moved on average from the frame before to the frame after: a twist in its own frame
+// (rad/s, m/s).
+struct MeanMotion {
+  Vector6d twist;
+  double duration_s = 0;
+};
+
+// By key-frame; nothing where its component has no frame beside it.
+std::vector<std::optional<MeanMotion>> mean_motions(
+    std::span<const Frame> frames, std::span<const std::optional<RigidTransform>> world_from_frame,
+    const SolvedKeyframes& keyframes) {
+  std::map<TimestampNs, std::size_t> frame_at;
+  for (std::size_t i = 0; i < frames.size(); ++i) frame_at[frames[i].timestamp_ns] = i;
+  const auto is_of_component = [&](std::size_t i, std::size_t component) {
+    return world_from_frame[i] && frames[i].place &&
+           keyframes.component[frames[i].place->keyframe] == component;
+  };
+  std::vector<std::optional<MeanMotion>> motions;
+  for (std::size_t id = 0; id < keyframes.timestamps_ns.size(); ++id) {
+    const std::size_t component = keyframes.component[id];
+    std::optional<MeanMotion>& motion = motions.emplace_back();
+    const auto found = frame_at.find(keyframes.timestamps_ns[id]);
+    if (found == frame_at.end() || !is_of_component(found->second, component)) continue;
+    std::size_t before = found->second;
+    std::size_t after = before;
+    if (before > 0 && is_of_component(before - 1, component)) --before;
+    if (after + 1 < frames.size() && is_of_component(after + 1, component)) ++after;
+    const double duration_s =
+        seconds_between(frames[before].timestamp_ns, frames[after].timestamp_ns);
+    if (!(duration_s > 0)) continue;
+    const RigidTransform step = world_from_frame[before]->inverse() * *world_from_frame[after];
+    const Eigen::AngleAxisd turn(step.rotation);
+    motion = {Vector6d::Zero(), duration_s};
+    motion->twist << turn.angle() * turn.axis(), step.translation;
+    motion->twist /= duration_s;
+  }
+  return motions;
+}
+
 }  // namespace
 
 std::vector<std::optional<RigidTransform>> frame_poses(std::span<const Frame> frames,
@@ -57,31 +96,21 @@ std::vector<std::optional<RigidTransform>> frame_poses(std::span<const Frame> fr
 std::vector<Vector6d> keyframe_velocities(
     std::span<const Frame> frames, std::span<const std::optional<RigidTransform>> world_from_frame,
     const SolvedKeyframes& keyframes) {
-  std::map<TimestampNs, std::size_t> frame_at;
-  for (std::size_t i = 0; i < frames.size(); ++i) frame_at[frames[i].timestamp_ns] = i;
-  const auto is_of_component = [&](std::size_t i, std::size_t component) {
-    return world_from_frame[i] && frames[i].place &&
-           keyframes.component[frames[i].place->keyframe] == component;
-  };
   std::vector<Vector6d> velocities;
-  for (std::size_t id = 0; id < keyframes.timestamps_ns.size(); ++id) {
-    const std::size_t component = keyframes.component[id];
-    Vector6d& motion = velocities.emplace_back(Vector6d::Zero());
-    const auto found = frame_at.find(keyframes.timestamps_ns[id]);
-    if (found == frame_at.end() || !is_of_component(found->second, component)) continue;
-    std::size_t before = found->second;
-    std::size_t after = before;
-    if (before > 0 && is_of_component(before - 1, component)) --before;
-    if (after + 1 < frames.size() && is_of_component(after + 1, component)) ++after;
-    const double duration_s =
-        seconds_between(frames[before].timestamp_ns, frames[after].timestamp_ns);
-    if (!(duration_s > 0) || duration_s > kConstantVelocity_s) continue;
-    const RigidTransform step = world_from_frame[before]->inverse() * *world_from_frame[after];
-    const Eigen::AngleAxisd turn(step.rotation);
-    motion << turn.angle() * turn.axis(), step.translation;
-    motion /= duration_s;
+  for (const auto& motion : mean_motions(frames, world_from_frame, keyframes)) {
+    const bool is_known = motion && motion->duration_s <= kConstantVelocity_s;
+    velocities.push_back(is_known ? motion->twist : Vector6d::Zero());
   }
   return velocities;
+}
+
+std::vector<std::optional<double>> keyframe_turning_speeds(
+    std::span<const Frame> frames, std::span<const std::optional<RigidTransform>> world_from_frame,
+    const SolvedKeyframes& keyframes) {
+  std::vector<std::optional<double>> speeds;
+  for (const auto& motion : mean_motions(frames, world_from_frame, keyframes))
+    speeds.push_back(motion ? std::optional(motion->twist.head<3>().norm()) : std::nullopt);
+  return speeds;
 }
 
 }  // namespace roomwise::mapping

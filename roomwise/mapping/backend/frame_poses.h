@@ -36,4 +36,11 @@ struct SolvedKeyframes {
     std::span<const std::optional<geometry::RigidTransform>> world_from_frame,
     const SolvedKeyframes& keyframes);
 
+// How fast each key-frame's camera turned, rad/s: on average from the frame before to the frame
+// after, however far apart these are. Nothing where its component has no frame beside it.
+[[nodiscard]] std::vector<std::optional<double>> keyframe_turning_speeds(
+    std::span<const Frame> frames,
+    std::span<const std::optional<geometry::RigidTransform>> world_from_frame,
+    const SolvedKeyframes& keyframes);
+
 }  // namespace roomwise::mapping

@@ -1,5 +1,7 @@
 #include "roomwise/mapping/backend/grounds.h"
 
+#include <algorithm>
+
 #include "roomwise/mapping/graph/up_direction.h"
 
 namespace roomwise::mapping {
@@ -18,9 +20,10 @@ std::map<std::size_t, std::vector<std::size_t>> by_component(
 
 }  // namespace
 
-void Grounds::measure(std::span<const KeyframeId> ids, std::span<const KeyframeFeatures> features,
+void Grounds::measure(std::span<const KeyframeId> ids, std::span<const KeyframeId> own,
+                      std::span<const KeyframeFeatures> features,
                       std::span<const RigidTransform> world_from_keyframe,
-                      std::span<const double> speeds_rad_s) {
+                      std::span<const std::optional<double>> speeds_rad_s) {
   for (const auto& [component, places] : by_component(ids, component_)) {
     UpDirectionEstimator estimator;
     for (const std::size_t i : places) {
@@ -33,12 +36,13 @@ void Grounds::measure(std::span<const KeyframeId> ids, std::span<const KeyframeF
     }
     const UpDirection up = estimator.estimate();
     for (const std::size_t i : places) {
-      measured_.erase(ids[i]);
-      if (!(up.support > 0)) continue;
-      const auto measured = measure_up(
-          features[i].normals, world_from_keyframe[ids[i]].rotation.conjugate() * up.up_world,
-          speeds_rad_s[ids[i]], options_);
-      if (measured) measured_[ids[i]] = *measured;
+      const auto [one, is_new] = measured_.try_emplace(ids[i]);
+      if (!is_new && !std::ranges::binary_search(own, ids[i])) continue;
+      one->second.reset();
+      if (!(up.support > 0) || !speeds_rad_s[ids[i]]) continue;
+      one->second = measure_up(features[i].normals,
+                               world_from_keyframe[ids[i]].rotation.conjugate() * up.up_world,
+                               *speeds_rad_s[ids[i]], options_);
     }
   }
 }
@@ -46,13 +50,16 @@ void Grounds::measure(std::span<const KeyframeId> ids, std::span<const KeyframeF
 std::vector<Ground> Grounds::under(std::span<const KeyframeId> ids,
                                    std::span<const RigidTransform> world_from_keyframe,
                                    NodeId first_node, double kernel_sigmas) const {
+  const auto told_by = [&](KeyframeId id) -> std::optional<UpMeasurement> {
+    const auto one = measured_.find(id);
+    return one == measured_.end() ? std::nullopt : one->second;
+  };
   std::vector<Ground> grounds;
   for (const auto& [component, places] : by_component(ids, component_)) {
     Vector3d up_world = Vector3d::Zero();
     for (const std::size_t i : places) {
-      const auto one = measured_.find(ids[i]);
-      if (one != measured_.end())
-        up_world += world_from_keyframe[ids[i]].rotation * one->second.up_camera;
+      if (const auto one = told_by(ids[i]))
+        up_world += world_from_keyframe[ids[i]].rotation * one->up_camera;
     }
     if (!(up_world.norm() > 0)) continue;
     const NodeId node = first_node + grounds.size();
@@ -60,10 +67,10 @@ std::vector<Ground> Grounds::under(std::span<const KeyframeId> ids,
     ground.world_from_ground.rotation =
         Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), up_world);
     for (const std::size_t i : places) {
-      const auto one = measured_.find(ids[i]);
-      if (one == measured_.end()) continue;
+      const auto one = told_by(ids[i]);
+      if (!one) continue;
       ground.edges.push_back(up_edge(node, ground.world_from_ground, ids[i],
-                                     world_from_keyframe[ids[i]], one->second, kernel_sigmas));
+                                     world_from_keyframe[ids[i]], *one, kernel_sigmas));
     }
     // Loosely: so that the ground does not turn about up, or go elsewhere, as it may.
     ground.edges.front().information += geometry::Matrix6d::Identity();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,12 +29,16 @@ class Grounds {
   void add_gravity(KeyframeId id, const Eigen::Vector3d& up_camera) { gravity_[id] = up_camera; }
 
   // Measures up in these key-frames, by their normals, at poses that may still err by some degrees;
-  // poses and speeds (rad/s, of the camera's turning) are by key-frame id.
-  void measure(std::span<const KeyframeId> ids, std::span<const KeyframeFeatures> features,
+  // poses and speeds (rad/s, of the camera's turning) are by key-frame id. Where the speed is not
+  // known nothing is measured: by how much depth lags behind the picture is not known then. Of
+  // those that are not `own` (ascending) as well, what was measured before stays: who owns them
+  // sees all that is around them.
+  void measure(std::span<const KeyframeId> ids, std::span<const KeyframeId> own,
+               std::span<const KeyframeFeatures> features,
                std::span<const geometry::RigidTransform> world_from_keyframe,
-               std::span<const double> speeds_rad_s);
+               std::span<const std::optional<double>> speeds_rad_s);
 
-  // Under those of these key-frames that were measured, one for each component; the first ground's
+  // Under those of these key-frames that tell of up, one for each component; the first ground's
   // node is `first_node`, the others follow. Edges are made with up_edge().
   [[nodiscard]] std::vector<Ground> under(
       std::span<const KeyframeId> ids,
@@ -44,7 +49,8 @@ class Grounds {
   UpMeasurementOptions options_;
   std::span<const std::size_t> component_;
   std::map<KeyframeId, Eigen::Vector3d> gravity_;  // camera frame
-  std::map<KeyframeId, UpMeasurement> measured_;
+  // Of those that were measured; some tell nothing.
+  std::map<KeyframeId, std::optional<UpMeasurement>> measured_;
 };
 
 }  // namespace roomwise::mapping

@@ -30,7 +30,13 @@ struct Sideways {
     }
   }
   [[nodiscard]] std::vector<Ground> measured(Grounds grounds) const {
-    grounds.measure(ids, features, poses, speeds);
+    grounds.measure(ids, ids, features, poses, speeds);
+    return under(grounds);
+  }
+  void measure(Grounds& grounds, const std::vector<KeyframeId>& own) const {
+    grounds.measure(ids, own, features, poses, speeds);
+  }
+  [[nodiscard]] std::vector<Ground> under(const Grounds& grounds) const {
     return grounds.under(ids, poses, 10, 2);
   }
 
@@ -38,12 +44,19 @@ struct Sideways {
   std::vector<KeyframeId> ids;
   std::vector<RigidTransform> poses;
   std::vector<KeyframeFeatures> features;
-  std::vector<double> speeds = std::vector<double>(4, 0.0);
+  std::vector<std::optional<double>> speeds = std::vector<std::optional<double>>(4, 0.0);
 };
 
 double tilt_rad(const Ground& ground) {
   return std::acos(
       std::min(1.0, (ground.world_from_ground.rotation * Vector3d::UnitZ()).dot(kUpWorld)));
+}
+
+std::vector<NodeId> keyframes_of(const std::vector<Ground>& grounds) {
+  std::vector<NodeId> ids;
+  for (const Ground& ground : grounds)
+    for (const PoseGraphEdge& edge : ground.edges) ids.push_back(edge.to);
+  return ids;
 }
 
 TEST(Grounds, UpIsWhereTheDeviceFeelsItAndNotAlongItsPicture) {
@@ -68,6 +81,33 @@ TEST(Grounds, EachComponentHasOneWithAnEdgeToEachOfItsKeyframes) {
       EXPECT_EQ(grounds[i].edges[k].to, 2 * i + k);
     }
   }
+}
+
+TEST(Grounds, WhereItIsNotKnownHowFastTheCameraTurnedNothingIsMeasured) {
+  Sideways phone;
+  phone.speeds[0].reset();
+  phone.speeds[3].reset();
+  const auto grounds = phone.measured(Grounds({}, phone.component));
+  ASSERT_EQ(grounds.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    ASSERT_EQ(grounds[i].edges.size(), 1U);
+    EXPECT_EQ(grounds[i].edges[0].to, 1 + i);
+  }
+}
+
+TEST(Grounds, OfKeyframesThatAreNotOwnWhatTheirOwnersMeasuredStays) {
+  Sideways phone;
+  Grounds grounds({}, phone.component);
+  phone.measure(grounds, {0, 1});
+  // Those around are measured, too, as long as nobody who owns them was asked.
+  EXPECT_EQ(keyframes_of(phone.under(grounds)), (std::vector<NodeId>{0, 1, 2, 3}));
+  // From where 1 and 2 are own nothing is level.
+  for (KeyframeFeatures& seen : phone.features) seen.normals.clear();
+  phone.measure(grounds, {1, 2});
+  EXPECT_EQ(keyframes_of(phone.under(grounds)), (std::vector<NodeId>{0, 3}));
+  // What tells nothing to its owner tells nothing to a neighbour either.
+  Sideways().measure(grounds, {0, 3});
+  EXPECT_EQ(keyframes_of(phone.under(grounds)), (std::vector<NodeId>{0, 3}));
 }
 
 TEST(Grounds, WhereNothingIsLevelThereIsNone) {

@@ -123,7 +123,7 @@ class Refiner {
     for (std::uint32_t i = 0; i < inputs.walks.size(); ++i) {
       const bool is_last = i + 1 == inputs.walks.size();
       walk_of_.resize(is_last ? poses_.size() : inputs.walks[i + 1].first_keyframe, i);
-      add_gravity(inputs.walks[i].frames);
+      if (options.holds_upright) add_gravity(inputs.walks[i].frames);
     }
   }
 
@@ -216,23 +216,20 @@ class Refiner {
     }
   }
 
-  [[nodiscard]] std::vector<double> speeds_rad_s() const {
-    std::vector<double> speeds;
-    for (const Vector6d& velocity : velocities_) speeds.push_back(velocity.head<3>().norm());
-    return speeds;
-  }
-
   // How the cameras move, by the poses as they are now.
   void update_velocities() {
     const SolvedKeyframes keyframes{poses_, inputs_.keyframe_times, component_};
     velocities_.clear();
+    speeds_rad_s_.clear();
     knows_velocity_ = false;
     for (std::uint32_t i = 0; i < inputs_.walks.size(); ++i) {
       const RefinedWalk& walk = inputs_.walks[i];
       const auto frames = frame_poses(walk.frames, keyframes, edges_);
       const auto of_walk = keyframe_velocities(walk.frames, frames, keyframes);
+      const auto speeds = keyframe_turning_speeds(walk.frames, frames, keyframes);
       for (KeyframeId id = walk.first_keyframe; id < poses_.size() && walk_of_[id] == i; ++id) {
         velocities_.push_back(of_walk[id]);
+        speeds_rad_s_.push_back(speeds[id]);
         const bool is_last = i + 1 == inputs_.walks.size();
         knows_velocity_ = knows_velocity_ || (is_last && !of_walk[id].isZero());
       }
@@ -258,7 +255,7 @@ class Refiner {
     std::ranges::merge(window.own, window.around, std::back_inserter(seen));
     ROOMWISE_TRY(const std::vector<KeyframeFeatures> features, features_of(seen));
     bundle.landmarks = landmarks_of(window, places, seen, features);
-    if (options_.holds_upright) grounds_.measure(seen, features, poses_, speeds_rad_s());
+    if (options_.holds_upright) grounds_.measure(seen, window.own, features, poses_, speeds_rad_s_);
 
     AdjustedWindow adjusted;
     const auto go_on = [&] {
@@ -436,9 +433,10 @@ class Refiner {
   Grounds grounds_;
   std::vector<PoseGraphEdge> measured_;  // edges_ as windows measure them
   std::vector<bool> is_measured_;
-  std::vector<Vector6d> velocities_;  // by key-frame id
-  bool knows_velocity_ = false;       // of any key-frame of the last walk
-  double readout_s_ = 0;              // of the last walk
+  std::vector<Vector6d> velocities_;                 // by key-frame id
+  std::vector<std::optional<double>> speeds_rad_s_;  // likewise: of turning, where it is known
+  bool knows_velocity_ = false;                      // of any key-frame of the last walk
+  double readout_s_ = 0;                             // of the last walk
   std::uint64_t done_ = 0, windows_done_ = 0;
   std::uint64_t most_of_window_ = 0;  // iterations
 };

@@ -219,6 +219,24 @@ TEST(RefineMap, FloorsAndWallsHoldItUpright) {
   EXPECT_GT(worst_tilt_rad(map, bent->world_from_keyframe), 0.08);
 }
 
+TEST(RefineMap, AWalkOfFewFramesASecondIsHeldUprightByHowItTurnsOnTheWhole) {
+  Map slow = bent_map();
+  for (Frame& frame : slow.frames) frame.timestamp_ns *= 10;
+  for (TimestampNs& time : slow.times) time *= 10;
+  EXPECT_GT(worst_tilt_rad(slow, slow.solution().world_from_keyframe), 0.08);
+  const auto upright = slow.refined();
+  ASSERT_OK(upright);
+  EXPECT_LT(worst_tilt_rad(slow, upright->world_from_keyframe), 0.02);
+}
+
+TEST(RefineMap, WhereNoFrameTellsHowTheCameraTurnedNothingIsHeldUpright) {
+  Map alone = bent_map();
+  alone.frames.clear();
+  const auto bent = alone.refined();
+  ASSERT_OK(bent);
+  EXPECT_GT(worst_tilt_rad(alone, bent->world_from_keyframe), 0.08);
+}
+
 TEST(RefineMap, ComponentsStandOnGroundsOfTheirOwn) {
   Map map = bent_map();
   map.edges.erase(map.edges.begin() + 11);  // two components: 0 to 11 and 12 to 23
