@@ -250,6 +250,21 @@ TEST_F(HomeCommandsTest, OptimizeLeavesAnOptimisedHomeWhereItIs) {
       2);
 }
 
+TEST_F(HomeCommandsTest, OptimizeHoldsNothingUprightWhereItIsToldSo) {
+  std::filesystem::copy_file(path("my.home"), path("once.home"));
+  result_of({"map", path("walk"), "--no-networks", "--home", path("bent.home"), "--no-upright"});
+  const auto is_upright = [&](const std::string& home, std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"optimize", "--home", path(home)});
+    return result_of(more).at("upright").get<bool>();
+  };
+  EXPECT_TRUE(is_upright("once.home"));
+  EXPECT_FALSE(is_upright("once.home", {"--no-upright"}));
+  EXPECT_TRUE(is_upright("once.home")) << "that was for once";
+  EXPECT_FALSE(is_upright("bent.home")) << "it was mapped so";
+  EXPECT_EQ(run_roomwise({"optimize", "in.g2o", "-o", "out.g2o", "--no-upright"}).exit_code, 2)
+      << "a pose graph alone has no surfaces";
+}
+
 TEST_F(HomeCommandsTest, ReportShowsTheHomeOnOnePage) {
   result_of(
       {"report", path("my.home"), "-o", path("my.html"), "--truth", path("walk/groundtruth.txt")});

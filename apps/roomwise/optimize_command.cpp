@@ -20,6 +20,7 @@ struct OptimizeOptions {
   std::filesystem::path output;
   std::filesystem::path home;
   mapping::PoseGraphOptions graph;
+  bool no_upright = false;
 };
 
 std::string indefinite_text(std::size_t edges) {
@@ -67,6 +68,7 @@ Expected<Answer> optimize_home(const OptimizeOptions& options, Context& context)
     return fail("{}: has no map to optimise; make one with: roomwise map", options.home.string());
   }
   settings->solver.graph = options.graph;
+  if (options.no_upright) settings->refinement.holds_upright = false;
   ROOMWISE_TRY(const mapping::PoseGraph before,
                pipeline::stored_pose_graph(home, settings->solver));
   const double error_before = mapping::pose_graph_error(before);
@@ -100,6 +102,7 @@ Expected<Answer> optimize_home(const OptimizeOptions& options, Context& context)
     answer.json["landmark_rms_px"] = solved.refinement->rms_px;
     answer.json["readout_s"] = readout_json(solved.refinement->readout_s);
   }
+  answer.json["upright"] = solved.refinement.has_value() && settings->refinement.holds_upright;
   answer.json["rejected_loops"] = solution.rejected_edges;
   answer.json["objects"] = objects.by_rules;
   answer.json["instances"] = objects.instances;
@@ -120,7 +123,8 @@ void add_optimize_command(CLI::App& app, Context& context) {
       });
   CLI::Option_group* graph = command->add_option_group("Pose graph");
   CLI::Option* input = graph->add_option("IN", options.input, "Pose graph to read (.g2o, SE3)");
-  graph->add_option("--home", options.home, "Home whose key-frames are to move");
+  CLI::Option* home =
+      graph->add_option("--home", options.home, "Home whose key-frames are to move");
   graph->require_option(1);
   CLI::Option* output =
       command->add_option("-o,--output", options.output, "Where to write IN optimised");
@@ -128,6 +132,12 @@ void add_optimize_command(CLI::App& app, Context& context) {
   output->needs(input);
   add_setting(*command, "--loop-kernel", options.graph.loop_kernel,
               "e^T Omega e of a loop closure above which it counts less and less; 0: never");
+  command
+      ->add_flag(
+          "--no-upright", options.no_upright,
+          "Do not hold the home upright by level surfaces and walls, this once (one that was "
+          "mapped so never is)")
+      ->needs(home);
 }
 
 }  // namespace roomwise::app

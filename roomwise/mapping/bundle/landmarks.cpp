@@ -72,10 +72,11 @@ Expected<void> LandmarkOptions::validate() const {
 }
 
 KeyframeFeatures keyframe_features(const motion::FrameMeasurements& measurements,
-                                   const PinholeCamera& camera, const LandmarkOptions& options) {
+                                   const PinholeCamera& camera, const LandmarkOptions& options,
+                                   bool with_normals) {
   const motion::MeasuredFeatures& features = measurements.features();
   KeyframeFeatures taken;
-  if (!measurements.view().empty()) {
+  if (with_normals && !measurements.view().empty()) {
     const motion::PyramidLevel& view = measurements.view().levels.front();
     taken.normals = surface_normals(view.depth, view.camera);
   }

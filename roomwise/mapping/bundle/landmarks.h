@@ -41,9 +41,11 @@ struct KeyframeFeatures {
   [[nodiscard]] std::size_t size() const { return views.size(); }
   [[nodiscard]] bool has_point(std::size_t i) const { return points[i].z() > 0; }
 };
+// `with_normals`: where nobody asks which way is up they are not worked out.
 [[nodiscard]] KeyframeFeatures keyframe_features(const motion::FrameMeasurements& measurements,
                                                  const geometry::PinholeCamera& camera,
-                                                 const LandmarkOptions& options = {});
+                                                 const LandmarkOptions& options = {},
+                                                 bool with_normals = true);
 
 // Further apart than this, features look too different.
 inline constexpr double kMaxCovisible_m = 3;

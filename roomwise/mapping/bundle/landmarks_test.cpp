@@ -136,6 +136,9 @@ TEST(KeyframeFeatures, TellTheNormalsOfWhatTheViewShows) {
     EXPECT_LT((normal - Eigen::Vector3f(0, 0, -1)).norm(), 1e-3F);
   EXPECT_TRUE(features_of(image::DepthImage(camera.width, camera.height, 0)).normals.empty());
   EXPECT_TRUE(keyframe_features(motion::MeasuredFeatures(), camera).normals.empty());
+  const motion::FrameMeasurements measured(motion::MeasuredFeatures(),
+                                           motion::make_rgbd_pyramid(gray, wall, camera));
+  EXPECT_TRUE(keyframe_features(measured, camera, {}, /*with_normals=*/false).normals.empty());
 }
 
 TEST(LandmarkOptions, SayWhichIsWrong) {

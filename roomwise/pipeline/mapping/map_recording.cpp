@@ -147,7 +147,8 @@ Expected<mapping::FindFeatures> landmark_features(const home::Home& home, mappin
     for (const home::KeyframeId id : ids) {
       ROOMWISE_TRY(const auto measurements, mapper.measurements(id));
       features.push_back(mapping::keyframe_features(*measurements, cameras.at(recording_of[id]),
-                                                    settings.refinement.landmarks));
+                                                    settings.refinement.landmarks,
+                                                    settings.refinement.holds_upright));
     }
     return features;
   };

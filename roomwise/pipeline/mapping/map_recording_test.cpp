@@ -167,6 +167,24 @@ TEST_F(MapRecording, OptimisingAgainFindsTheSameMap) {
   }
 }
 
+TEST_F(MapRecording, WhereNothingIsHeldUprightNoNormalsAreWorkedOut) {
+  SyntheticWalk walk(10);
+  ASSERT_OK(map(folder_ / "a.home", walk, 2));
+  const home::Home home = *home::Home::open_read_only(folder_ / "a.home");
+  ThreadPool pool(2);
+  StageClock clock;
+  RunContext run{pool, silent_, clock};
+  for (const bool upright : {true, false}) {
+    settings_.refinement.holds_upright = upright;
+    const auto features = stored_keyframe_features(home, settings_, run);
+    ASSERT_OK(features);
+    const auto found = (*features)(std::vector<home::KeyframeId>{0});
+    ASSERT_OK(found);
+    EXPECT_GT(found->at(0).size(), 0U);
+    EXPECT_EQ(found->at(0).normals.empty(), !upright);
+  }
+}
+
 // Stops as a user does, after so many frames.
 class InterruptAfter final : public Progress {
  public:

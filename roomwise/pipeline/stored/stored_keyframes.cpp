@@ -3,6 +3,7 @@
 #include <memory>
 #include <utility>
 
+#include "roomwise/image/resample.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/measured_frame_reader.h"
 
@@ -52,9 +53,16 @@ Expected<mapping::FindFeatures> stored_keyframe_features(const home::Home& home,
     for (const home::KeyframeId id : ids) keyframes.push_back(stored[id]);
     const auto measure = [&](const home::Keyframe& keyframe, const DecodedImages& images) {
       const geometry::PinholeCamera& camera = cameras.at(keyframe.recording);
+      // Views are for what tells which way is up.
+      if (settings.refinement.holds_upright) {
+        return mapping::keyframe_features(
+            measure_frame(images.color, images.depth, camera, *extractor, settings), camera,
+            settings.refinement.landmarks);
+      }
       return mapping::keyframe_features(
-          measure_frame(images.color, images.depth, camera, *extractor, settings), camera,
-          settings.refinement.landmarks);
+          motion::measure_features(extractor->extract(image::to_gray(images.color)), images.depth,
+                                   camera, settings.depth),
+          camera, settings.refinement.landmarks);
     };
     std::vector<mapping::KeyframeFeatures> found;
     const auto keep = [&](const home::Keyframe&,
