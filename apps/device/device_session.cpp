@@ -82,6 +82,7 @@ void DeviceSession::take_connection(TimestampNs now_ns) {
   }
   last_failure_.clear();
   removal_said_ = false;
+  no_connection_said_ = true;
   connection_ = *std::move(opened);
   const auto news = link_.connected();
   heard_ns_ = now_ns;
@@ -95,7 +96,7 @@ void DeviceSession::take_connection(TimestampNs now_ns) {
   if (!parts_.camera) lead_again(now_ns);  // no picture will come
 }
 
-// Said once, and not with every try.
+// Said once, and not with every try; after a connection that was lost nothing more is to be said.
 void DeviceSession::tell_of_failure(const Error& error, TimestampNs now_ns) {
   if (error.message != last_failure_) {
     last_failure_ = error.message;
@@ -104,8 +105,8 @@ void DeviceSession::tell_of_failure(const Error& error, TimestampNs now_ns) {
   if (error.code == ErrorCode::kRefused) {
     if (std::exchange(removal_said_, true)) return;
     parts_.voice->notice("device.removed", guide::Sound::kAlert, now_ns);
-  } else if (failures_said_.insert(error.message).second) {
-    parts_.voice->say_error(error.message, now_ns);
+  } else if (!std::exchange(no_connection_said_, true)) {
+    parts_.voice->notice("device.no_connection", guide::Sound::kAlert, now_ns);
   }
 }
 

@@ -6,7 +6,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -92,7 +91,7 @@ class DeviceSession : private Interruption {
   bool is_teaching_ = false;  // a thing is shown, or waits for its name
   TimestampNs heard_ns_ = 0;  // when the computer said something last
   std::string last_failure_;
-  std::set<std::string> failures_said_;
+  bool no_connection_said_ = false;  // or there was one since
   bool removal_said_ = false;
   std::atomic<bool> over_ = false;
   std::future<Expected<std::unique_ptr<service::ServerConnection>>> trying_;  // last: it ends first

@@ -195,11 +195,13 @@ class DeviceSessionTest : public ::testing::Test {
   DeviceSessionTest()
       : DeviceSessionTest(
             std::make_unique<DeviceCamera>(std::make_unique<SameView>(), CameraPace{})) {}
-  explicit DeviceSessionTest(std::unique_ptr<DeviceCamera> camera) {
+  explicit DeviceSessionTest(std::unique_ptr<DeviceCamera> camera,
+                             const std::string& language = "en") {
     auto speaker = std::make_unique<HeardSpeaker>();
     speaker_ = speaker.get();
     guide::Wording wording;
     wording.catalogue = &catalogue_;
+    wording.style.language = language;
     start_server();
     DeviceParts parts;
     parts.server = {"127.0.0.1", server_->port()};
@@ -291,6 +293,29 @@ TEST_F(DeviceSessionTest, GoesOnAfterTheServerWasAway) {
   EXPECT_EQ(session_->counts().losses, 1u);
   ASSERT_EQ(home_.hellos.size(), 2u);
   EXPECT_EQ(home_.hellos[1].name, "Cap");
+}
+
+class GermanSessionTest : public DeviceSessionTest {
+ protected:
+  GermanSessionTest()
+      : DeviceSessionTest(
+            std::make_unique<DeviceCamera>(std::make_unique<SameView>(), CameraPace{}), "de") {}
+};
+
+TEST_F(GermanSessionTest, SaysInItsLanguageThatTheComputerIsNotThereYet) {
+  server_->stop();
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
+  EXPECT_TRUE(speaker_->hears("Ich erreiche den Computer nicht."));
+  start_server();
+  EXPECT_TRUE(speaker_->hears("Bereit."));
+  server_->stop();
+  EXPECT_TRUE(speaker_->hears("Die Verbindung ist weg."));
+  start_server();
+  EXPECT_TRUE(speaker_->hears("Wieder verbunden."));
+  type("x");
+  running.join();
+  EXPECT_EQ(speaker_->times("Ich erreiche den Computer nicht."), 1);
+  EXPECT_EQ(speaker_->times("127.0.0.1"), 0) << "what only the log needs";
 }
 
 class LedSessionTest : public DeviceSessionTest {

@@ -1,7 +1,6 @@
 #include "device_voice.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iostream>
 #include <ostream>
 #include <utility>
@@ -13,7 +12,6 @@ namespace roomwise::app {
 namespace {
 
 constexpr int kWordsPerMinute = 175;  // espeak-ng's own
-constexpr double kErrorValid_s = 10;
 constexpr double kReopenAfter_s = 2;
 // A speaker is given up so long after twice the time that the words take.
 constexpr double kSpeakerLate_s = 3;
@@ -110,17 +108,6 @@ void DeviceVoice::notice(const std::string& message, guide::Sound sound, Timesta
 void DeviceVoice::answer(const std::string& message, guide::Sound sound, TimestampNs now_ns) {
   guide::Prompt prompt = guide::notice_prompt(message, sound, wording_, now_ns);
   prompt.priority = guide::Priority::kAnswer;
-  say(std::move(prompt), now_ns, false);
-}
-
-void DeviceVoice::say_error(const std::string& text, TimestampNs now_ns) {
-  guide::Prompt prompt;
-  prompt.key = "device.error";
-  prompt.text = text;
-  prompt.language = "en";
-  prompt.priority = guide::Priority::kNotice;
-  prompt.sound = guide::Sound::kAlert;
-  prompt.valid_until_ns = now_ns + std::llround(kErrorValid_s / kSecondsPerNs);
   say(std::move(prompt), now_ns, false);
 }
 

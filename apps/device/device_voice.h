@@ -88,8 +88,6 @@ class DeviceVoice {
   void notice(const std::string& message, guide::Sound sound, TimestampNs now_ns);
   // The same in place of an answer: who asks anew does not hear it any more.
   void answer(const std::string& message, guide::Sound sound, TimestampNs now_ns);
-  // Words that are in no catalogue: an error.
-  void say_error(const std::string& text, TimestampNs now_ns);
   // Somebody asked anew: no more of the answers before.
   void withdraw_answers(TimestampNs now_ns);
   void repeat(TimestampNs now_ns);
