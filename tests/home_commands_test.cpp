@@ -193,6 +193,24 @@ TEST_F(HomeCommandsTest, OneDamagedPictureDoesNotCostTheMap) {
   EXPECT_THAT(mapped.at("damaged").at(0).get<std::string>(), HasSubstr(picture));
 }
 
+TEST_F(HomeCommandsTest, OneDamagedPictureOfTheMapDoesNotCostAFurtherWalk) {
+  const std::string home = path("one_lost.home");
+  std::filesystem::copy_file(path("my.home"), home);
+  EXPECT_OK(home::Home::open(home)->database().run(
+      "UPDATE keyframe_images SET color = x'00' WHERE keyframe_id = 0"));
+  std::vector<std::string> map{"map", path("walk"), "--no-networks", "--home", home};
+  const ProgramResult stopped = run_roomwise(map);
+  EXPECT_EQ(stopped.exit_code, 1);
+  EXPECT_THAT(stopped.errors, HasSubstr("one_lost.home: key-frame 0: "));
+  EXPECT_THAT(stopped.errors, HasSubstr("--skip-damaged"));
+  map.emplace_back("--skip-damaged");
+  const json mapped = result_of(map);
+  EXPECT_EQ(mapped.at("frames"), kFrames);
+  EXPECT_EQ(mapped.at("joined"), true);
+  ASSERT_EQ(mapped.at("lost_pictures").size(), 1U);
+  EXPECT_THAT(mapped.at("lost_pictures").at(0).get<std::string>(), HasSubstr("key-frame 0: "));
+}
+
 TEST_F(HomeCommandsTest, ACameraThatCannotBeIsRefused) {
   EXPECT_OK(testing::write_made_up_recording(path("odd"), 2));
   const std::vector<std::string> map{"map", path("odd"), "--no-networks", "--home",

@@ -15,6 +15,7 @@
 #include "roomwise/pipeline/objects/own_things.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/rooms/walk_into_home.h"
+#include "roomwise/pipeline/stored/lost_pictures.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/recording/damage_tolerant_source.h"
 #include "roomwise/recording/open_recording.h"
@@ -174,10 +175,10 @@ Expected<void> add_changes(const home::Home& home, Answer& answer) {
   return {};
 }
 
-// Of the frames that --skip-damaged left out.
-std::string damage_text(const std::vector<std::string>& damage) {
+// Of what --skip-damaged left out.
+std::string damage_text(const std::vector<std::string>& damage, std::string_view of_what) {
   if (damage.empty()) return "";
-  std::string text = fmt::format("left out    {} frames that cannot be read:\n", damage.size());
+  std::string text = fmt::format("left out    {} {}:\n", damage.size(), of_what);
   for (const std::string& one : damage) text += fmt::format("  {}\n", one);
   return text;
 }
@@ -227,6 +228,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
 
   CommandRun run(context);
   run.working_set_bytes = options.working_set_mb << 20U;
+  run.lost = std::make_shared<pipeline::LostPictures>(options.skip_damaged);
   const home::Recording recording{source->info().name, options.recording.string(),
                                   source->info().camera, source->info().frames_remaining};
   recording::DamageTolerantSource frames(*source, options.skip_damaged);
@@ -258,7 +260,11 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   Answer answer;
   std::vector<std::string> names;
   for (const auto& network : networks) names.push_back(network->name());
-  answer.text = to_text(summary, names) + damage_text(frames.damage());
+  std::vector<std::string> lost;
+  for (const auto& [id, why] : run.lost->all()) lost.push_back(why);
+  answer.text = to_text(summary, names) +
+                damage_text(frames.damage(), "frames that cannot be read") +
+                damage_text(lost, "pictures of the map that cannot be read again");
   if (!taught.empty() && look.is_looked_for) {
     answer.text +=
         fmt::format("{} of {} things that were taught are on it\n", look.seen, taught.size());
@@ -290,7 +296,10 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
                  {"instances", summary.instances},
                  {"home", options.home.string()}};
   ROOMWISE_CHECK_OK(add_changes(home, answer));
-  if (options.skip_damaged) answer.json["damaged"] = frames.damage();
+  if (options.skip_damaged) {
+    answer.json["damaged"] = frames.damage();
+    answer.json["lost_pictures"] = lost;
+  }
   add_stages(answer, run.clock);
   answer.json["cpu_s"] = process_cpu_time_s();
   return answer;
@@ -327,8 +336,8 @@ void add_map_command(CLI::App& app, Context& context) {
   settings->push_back(command->get_option("--seed"));
   add_camera_option(*command, options.camera, "the recording's own");
   command->add_flag("--skip-damaged", options.skip_damaged,
-                    "Leave out frames that cannot be read, and name them; without it the first "
-                    "such frame ends the work");
+                    "Leave out frames that cannot be read, and pictures of earlier walks, and name "
+                    "them; without it the first such ends the work");
   const auto how = [resume, settings](CLI::Option* option) {
     settings->push_back(option);
     return option->excludes(resume);

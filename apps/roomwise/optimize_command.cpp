@@ -82,7 +82,7 @@ Expected<Answer> optimize_home(const OptimizeOptions& options, Context& context)
                      options.home.string());
   }
   ROOMWISE_TRY(const pipeline::SolvedMap solved, std::move(moved));
-  for (const std::string& why : solved.unread) context.progress.note("not compared: " + why);
+  for (const auto& [id, why] : solved.unread) context.progress.note("not compared: " + why);
   const mapping::MapSolution& solution = solved.solution;
   ROOMWISE_TRY(const pipeline::FoundObjects objects,
                pipeline::update_objects(home, settings->objects));

@@ -13,6 +13,7 @@
 #include "roomwise/pipeline/rooms/picture_features.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/rooms/walk_into_home.h"
+#include "roomwise/pipeline/stored/lost_pictures.h"
 #include "roomwise/recording/damage_tolerant_source.h"
 #include "roomwise/recording/open_recording.h"
 
@@ -39,7 +40,8 @@ struct MapRequest {
 
 struct MapReport {
   MapSummary summary;
-  std::vector<std::string> damaged;  // the errors of frames that were left out
+  std::vector<std::string>
+      damaged;  // the errors of frames, and of the map's pictures, that were left out
 };
 
 // A recording that says its rooms itself names them; what a person named since is kept.
@@ -60,6 +62,7 @@ Expected<MapReport> map_into(home::Home& home, recording::Recording& source,
     ROOMWISE_TRY(finders, app::load_object_finders());
   }
   pipeline::OwnRunContext run(request.threads, shown);
+  run.lost = std::make_shared<pipeline::LostPictures>(request.skip_damaged);
   const home::Recording recording{source.info().name, request.recording.string(),
                                   source.info().camera, source.info().frames_remaining};
   recording::DamageTolerantSource frames(source, request.skip_damaged);
@@ -72,7 +75,9 @@ Expected<MapReport> map_into(home::Home& home, recording::Recording& source,
                      summary.frames, summary.keyframes);
   }
   ROOMWISE_CHECK_OK(name_rooms_of_recording(request.recording, home));
-  return MapReport{std::move(summary), frames.damage()};
+  MapReport report{std::move(summary), frames.damage()};
+  for (const auto& [id, why] : run.lost->all()) report.damaged.push_back(why);
+  return report;
 }
 
 Expected<MapReport> map(const MapRequest& request, Progress& shown) {

@@ -275,6 +275,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<JobEnd> map(const std::filesystem::path& folder,
                                      recording::FrameSource& walk, Progress& progress);
   [[nodiscard]] Expected<JobEnd> prepare(Progress& progress);
+  // From now on each picture of the map that cannot be read again is logged once more.
+  void begin_lost_pictures();
   [[nodiscard]] Expected<JobEnd> learn_now(Progress& progress);
   [[nodiscard]] std::filesystem::path walks_folder() const;
   [[nodiscard]] std::filesystem::path lenses_file() const;
@@ -328,7 +330,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   std::unique_ptr<Uploads> uploads_;
   std::unique_ptr<RoomPhotos> photos_;
   std::atomic<std::uint64_t> frames_processed_{0};
-  std::atomic<std::uint64_t> dropped_by_gone_{0};  // by devices that are not here any more
+  std::atomic<std::uint64_t> dropped_by_gone_{0};          // by devices that are not here any more
+  std::shared_ptr<pipeline::LostPictures> lost_pictures_;  // jobs alone
 
   // Last, so that their threads end first.
   std::unique_ptr<FrameWorkers> looking_;

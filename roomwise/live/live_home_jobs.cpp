@@ -73,6 +73,8 @@ Expected<void> LiveHome::go_on_preparing() {
 
 Expected<JobEnd> LiveHome::prepare(Progress& progress) {
   pipeline::OwnRunContext run(options_.threads, progress);
+  if (!lost_pictures_) begin_lost_pictures();
+  run.lost = lost_pictures_;
   // By a reader of its own, so that pictures can be looked at meanwhile.
   ROOMWISE_TRY(const home::Home reader, home::Home::open_read_only(file_, options_.open));
   std::shared_ptr<const LiveMap> map = view()->map;
@@ -250,6 +252,11 @@ Expected<void> LiveHome::start_mapping(std::shared_ptr<const WalkRecorder> walk)
   });
 }
 
+void LiveHome::begin_lost_pictures() {
+  lost_pictures_ = std::make_shared<pipeline::LostPictures>(
+      true, [this](const Error& why) { meters_.failed("reading a picture of the map", why); });
+}
+
 Expected<JobEnd> LiveHome::map(const fs::path& folder, recording::FrameSource& walk,
                                Progress& progress) {
   ROOMWISE_TRY(const auto unfinished, unfinished_walk());
@@ -263,10 +270,12 @@ Expected<JobEnd> LiveHome::map(const fs::path& folder, recording::FrameSource& w
   }
   // One picture that is damaged is not to cost the walk.
   recording::DamageTolerantSource frames(walk, true);
+  begin_lost_pictures();
   pipeline::MapSummary summary;
   {
     const std::scoped_lock lock(home_mutex_);
     pipeline::OwnRunContext run(options_.threads, progress);
+    run.lost = lost_pictures_;
     ROOMWISE_TRY(const auto stored, pipeline::stored_map_settings(home_));
     pipeline::MapSettings settings = stored.value_or(pipeline::MapSettings{});
     if (!stored) settings.mapper.seed = options_.seed;
@@ -295,10 +304,11 @@ Expected<JobEnd> LiveHome::map(const fs::path& folder, recording::FrameSource& w
              {{"placed", static_cast<std::int64_t>(summary.placed)},
               {"pictures", static_cast<std::int64_t>(summary.frames)},
               {"things", static_cast<std::int64_t>(summary.instances)}}};
-  if (!frames.damage().empty()) {
-    end.text += fmt::format("; {} pictures cannot be read", frames.damage().size());
+  const std::size_t damaged = frames.damage().size() + lost_pictures_->all().size();
+  if (damaged > 0) {
+    end.text += fmt::format("; {} pictures cannot be read", damaged);
     end.message = "mapped_damaged";
-    end.values["damaged"] = static_cast<std::int64_t>(frames.damage().size());
+    end.values["damaged"] = static_cast<std::int64_t>(damaged);
   }
   return end;
 }

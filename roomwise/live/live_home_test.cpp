@@ -79,7 +79,12 @@ class LiveHomeTest : public ::testing::Test {
         std::vector<std::string>{"studio couch", "lamp"}));
   }
   void open() {
-    auto opened = LiveHome::open(file, networks, finders, {});
+    LiveHomeOptions options;
+    options.log = [this](std::string_view line) {
+      const std::scoped_lock lock(log_mutex);
+      logged.emplace_back(line);
+    };
+    auto opened = LiveHome::open(file, networks, finders, options);
     ASSERT_OK(opened);
     home = *std::move(opened);
   }
@@ -111,13 +116,13 @@ class LiveHomeTest : public ::testing::Test {
     record_the_rest(belt);
   }
   // To the end of the walk, and until all of it is mapped.
-  void record_the_rest(const Client& belt) {
+  void record_the_rest(const Client& belt, const std::string& message = "mapped") {
     while (auto frame = walk.next().value()) belt.session->on_message(message_of(*frame));
     ASSERT_OK(home->end_recording());
     home->jobs().wait();
     ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
     EXPECT_THAT(home->jobs().state()->text, HasSubstr(fmt::format("of {} pictures", kFrames)));
-    EXPECT_EQ(home->jobs().state()->message, "mapped");
+    EXPECT_EQ(home->jobs().state()->message, message);
     EXPECT_EQ(home->jobs().state()->values.at("pictures"), kFrames);
     belt.session->on_closed();
   }
@@ -143,7 +148,9 @@ class LiveHomeTest : public ::testing::Test {
   pipeline::testing::SyntheticWalk walk{kFrames};
   pipeline::Networks networks;
   objects::ObjectFinders finders;
-  std::unique_ptr<LiveHome> home;
+  std::mutex log_mutex;
+  std::vector<std::string> logged;
+  std::unique_ptr<LiveHome> home;  // last: it logs to its end
 };
 
 TEST_F(LiveHomeTest, FromAnEmptyHomeToAnAnswer) {
@@ -387,6 +394,28 @@ TEST_F(LiveHomeTest, AFurtherWalkJoinsTheMapAndIsForgottenAlone) {
   EXPECT_TRUE(home->view()->map) << "of what is left";
   EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/first walk"));
   EXPECT_TRUE(std::filesystem::exists(folder / "flat.home.walks/second walk"));
+}
+
+TEST_F(LiveHomeTest, AFurtherWalkJoinsAMapOfWhichAPictureCannotBeReadAgain) {
+  open();
+  record_the_walk();
+  home.reset();
+  ASSERT_OK(home::Home::open(file)->database().run(
+      "UPDATE keyframe_images SET color = x'00' WHERE keyframe_id = 0"));
+  open();
+  home->jobs().wait();
+  walk = pipeline::testing::SyntheticWalk(kFrames, 0.045, 0.2);
+  const Client belt = connect(7, service::Role::kDevice);
+  ASSERT_OK(home->begin_recording(7, "second walk"));
+  logged.clear();
+  record_the_rest(belt, "mapped_damaged");
+  EXPECT_EQ(home->jobs().state()->values.at("damaged"), 1);
+  EXPECT_TRUE(std::ranges::all_of(home->view()->keyframes, &ViewedKeyframe::on_map));
+  const std::scoped_lock lock(log_mutex);
+  const auto names_it = [](const std::string& line) {
+    return line.find("key-frame 0: ") != std::string::npos;
+  };
+  EXPECT_EQ(std::ranges::count_if(logged, names_it), 1) << "named once";
 }
 
 TEST_F(LiveHomeTest, OfThreeWalksAllAreForgottenWithTheHome) {

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 
 #include "roomwise/base/progress.h"
 #include "roomwise/base/stage_clock.h"
 #include "roomwise/base/thread_pool.h"
 
 namespace roomwise::pipeline {
+
+class LostPictures;  // stored/lost_pictures.h
 
 // What every long task is given besides its inputs: threads, a place to tell how far it
 // is, a clock, memory. None of it changes a result.
@@ -17,6 +20,8 @@ struct RunContext {
   // What a map that is being made may keep of its key-frames in memory, about 0.4 MB each; the
   // others wait in a scratch file beside the home.
   std::size_t working_set_bytes = std::size_t{128} << 20U;
+  // What to do where a stored picture cannot be read again; null: it ends the work.
+  std::shared_ptr<LostPictures> lost = nullptr;
 };
 
 // What a run context refers to, made before it.
@@ -29,7 +34,8 @@ struct RunParts {
 class OwnRunContext : private RunParts, public RunContext {
  public:
   OwnRunContext(std::size_t threads, Progress& shown)
-      : RunParts{ThreadPool(threads), {}}, RunContext{own_pool, shown, own_clock} {}
+      : RunParts{ThreadPool(threads), {}},
+        RunContext{.pool = own_pool, .progress = shown, .clock = own_clock} {}
   OwnRunContext(const OwnRunContext&) = delete;
   OwnRunContext& operator=(const OwnRunContext&) = delete;
 };

@@ -342,7 +342,8 @@ Expected<CullingVerdicts> judge_keyframes(const home::Home& home, home::Recordin
 }
 
 Expected<void> cull_keyframes(home::Home& home, const std::vector<home::KeyframeId>& culled,
-                              const MapSettings& settings) {
+                              const MapSettings& settings,
+                              const std::shared_ptr<LostPictures>& lost) {
   if (culled.empty()) return {};
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   const std::set<home::KeyframeId> ids(culled.begin(), culled.end());
@@ -373,7 +374,7 @@ Expected<void> cull_keyframes(home::Home& home, const std::vector<home::Keyframe
     ROOMWISE_TRY(auto index, take_localizer_index(home));
     ROOMWISE_CHECK_OK(home.cull_keyframes(culling));
     if (index) ROOMWISE_CHECK_OK(keep_localizer_index_without(home, *std::move(index), ids));
-    return update_objects(home, settings.objects).map([](const FoundObjects&) {});
+    return update_objects(home, settings.objects, lost).map([](const FoundObjects&) {});
   });
 }
 

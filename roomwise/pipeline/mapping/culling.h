@@ -51,9 +51,11 @@ using CullingVerdicts = std::map<home::KeyframeId, CullingVerdict>;
 // Takes key-frames (ascending) of finished walks out of the home. The rest of the pose graph hangs
 // together as before, frames stay where they are and hang on others, things are joined anew from
 // what is left, and the localiser's index, where it was fresh, stays so. All of it or nothing.
-// Fails where something else hangs on one of them (home::Home::held_keyframes()).
+// Fails where something else hangs on one of them (home::Home::held_keyframes()). `lost`: as for
+// update_objects().
 [[nodiscard]] Expected<void> cull_keyframes(home::Home& home,
                                             const std::vector<home::KeyframeId>& culled,
-                                            const MapSettings& settings);
+                                            const MapSettings& settings,
+                                            const std::shared_ptr<LostPictures>& lost = nullptr);
 
 }  // namespace roomwise::pipeline

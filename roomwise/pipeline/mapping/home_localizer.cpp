@@ -70,7 +70,7 @@ Expected<HomeLocalizer> HomeLocalizer::create(const home::Home& home,
     return fail("{}: the home has no map yet; make one with roomwise map", home.file());
   }
   ROOMWISE_TRY(const auto keyframes,
-               KeyframesOnDemand::create(home, placed, settings, run.working_set_bytes));
+               KeyframesOnDemand::create(home, placed, settings, run.working_set_bytes, run.lost));
   const std::string made_from = index_made_from(placed, settings);
   ROOMWISE_TRY(auto index, kept_index(home, made_from, placed.size()));
   std::optional<home::DerivedData> new_index;

@@ -9,22 +9,26 @@
 namespace roomwise::pipeline {
 
 KeyframesOnDemand::KeyframesOnDemand(home::Home reader, std::vector<home::Keyframe> keyframes,
-                                     MapSettings settings, std::size_t max_bytes)
+                                     MapSettings settings, std::size_t max_bytes,
+                                     std::shared_ptr<LostPictures> lost)
     : reader_(std::move(reader)),
       keyframes_(std::move(keyframes)),
       settings_(std::move(settings)),
       max_bytes_(max_bytes),
+      lost_(std::move(lost)),
       extractor_(features::make_extractor(settings_.features, settings_.max_keypoints)) {}
 
 Expected<std::shared_ptr<KeyframesOnDemand>> KeyframesOnDemand::create(
     const home::Home& home, std::vector<home::Keyframe> keyframes, MapSettings settings,
-    std::size_t max_bytes) {
+    std::size_t max_bytes, std::shared_ptr<LostPictures> lost) {
   ROOMWISE_TRY(home::Home reader, home.another_reader());
   const std::shared_ptr<KeyframesOnDemand> made(new KeyframesOnDemand(
-      std::move(reader), std::move(keyframes), std::move(settings), max_bytes));
+      std::move(reader), std::move(keyframes), std::move(settings), max_bytes, std::move(lost)));
   ROOMWISE_TRY(made->cameras_, recording_cameras(home));
   if (!made->keyframes_.empty()) {
-    ROOMWISE_CHECK_OK(made->read(made->keyframes_.front()).map([](const auto&) {}));
+    const home::KeyframeId first = made->keyframes_.front().id;
+    const auto is_read = made->read(made->keyframes_.front());
+    if (!is_read) ROOMWISE_CHECK_OK(go_on_without(home, first, is_read.error(), made->lost_));
   }
   return made;
 }
@@ -51,12 +55,8 @@ Expected<std::optional<motion::FrameMeasurements>> KeyframesOnDemand::measure(st
   ROOMWISE_TRY(const auto images, read(keyframe));
   if (!images) return std::nullopt;
   const geometry::PinholeCamera& camera = cameras_.at(keyframe.recording);
-  auto decoded = decode(*images, camera);
-  if (!decoded) {
-    return Unexpected(std::move(decoded).error().in(
-        fmt::format("{}: key-frame {}", reader_.file(), keyframe.id)));
-  }
-  return measure_frame(decoded->color, decoded->depth, camera, *extractor_, settings_);
+  ROOMWISE_TRY(const DecodedImages decoded, decode(*images, camera));
+  return measure_frame(decoded.color, decoded.depth, camera, *extractor_, settings_);
 }
 
 std::shared_ptr<const mapping::MeasuredKeyframe> KeyframesOnDemand::get(std::size_t index) {
@@ -70,8 +70,10 @@ std::shared_ptr<const mapping::MeasuredKeyframe> KeyframesOnDemand::get(std::siz
   // Without the lock: what two threads measure at once is the same.
   auto measured = measure(index);
   if (measured) return *measured ? put(index, **std::move(measured)) : nullptr;
+  auto go_on = go_on_without(reader_, keyframes_[index].id, std::move(measured).error(), lost_);
+  if (go_on) return nullptr;
   const std::scoped_lock lock(mutex_);
-  if (!failure_) failure_ = std::move(measured).error();
+  if (!failure_) failure_ = std::move(go_on).error();
   return nullptr;
 }
 

@@ -11,6 +11,7 @@
 #include "roomwise/features/feature_extractor.h"
 #include "roomwise/home/home.h"
 #include "roomwise/mapping/localization/localizer_index.h"
+#include "roomwise/pipeline/stored/lost_pictures.h"
 #include "roomwise/pipeline/stored/map_settings.h"
 
 namespace roomwise::pipeline {
@@ -20,13 +21,13 @@ namespace roomwise::pipeline {
 class KeyframesOnDemand {
  public:
   // By a reader of its own. Fails where the first one's images cannot be read, as of a home that is
-  // locked.
+  // locked, unless `lost` says to go on without them.
   [[nodiscard]] static Expected<std::shared_ptr<KeyframesOnDemand>> create(
       const home::Home& home, std::vector<home::Keyframe> keyframes, MapSettings settings,
-      std::size_t max_bytes);
+      std::size_t max_bytes, std::shared_ptr<LostPictures> lost = nullptr);
 
   // By place among the key-frames. Null where the home does not hold the key-frame any more, and
-  // where it cannot be read: then take_failure() tells why.
+  // where it cannot be read: then take_failure() tells why, unless `lost` says to go on without.
   [[nodiscard]] std::shared_ptr<const mapping::MeasuredKeyframe> get(std::size_t index);
   // Keeps what was measured already, as if it had been asked for.
   std::shared_ptr<const mapping::MeasuredKeyframe> put(std::size_t index,
@@ -37,7 +38,7 @@ class KeyframesOnDemand {
  private:
   using Shared = std::shared_ptr<const mapping::MeasuredKeyframe>;
   KeyframesOnDemand(home::Home reader, std::vector<home::Keyframe> keyframes, MapSettings settings,
-                    std::size_t max_bytes);
+                    std::size_t max_bytes, std::shared_ptr<LostPictures> lost);
   [[nodiscard]] Expected<std::optional<home::KeyframeImages>> read(const home::Keyframe& keyframe);
   [[nodiscard]] Expected<std::optional<motion::FrameMeasurements>> measure(std::size_t index);
 
@@ -45,6 +46,7 @@ class KeyframesOnDemand {
   std::vector<home::Keyframe> keyframes_;
   MapSettings settings_;
   std::size_t max_bytes_;
+  std::shared_ptr<LostPictures> lost_;
   std::map<home::RecordingId, geometry::PinholeCamera> cameras_;
   std::unique_ptr<features::FeatureExtractor> extractor_;
 

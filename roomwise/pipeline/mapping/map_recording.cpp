@@ -75,15 +75,17 @@ Expected<void> go_to_next_frame(recording::FrameSource& source, const home::Home
 }
 
 // A walk that the home holds already begins with the same key-frame: nothing is to be doubled.
-Expected<void> check_is_new(const home::Home& home, const image::RgbdFrame& first_keyframe) {
+Expected<void> check_is_new(const home::Home& home, const image::RgbdFrame& first_keyframe,
+                            const RunContext& run) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   for (const home::Keyframe& keyframe : keyframes) {
     if (keyframe.frame_index != first_keyframe.index ||
         keyframe.timestamp_ns != first_keyframe.timestamp_ns) {
       continue;
     }
-    ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe.id));
-    if (!(images == images_of(first_keyframe))) continue;
+    const auto images = home.images(keyframe.id);
+    if (!images) ROOMWISE_CHECK_OK(go_on_without(home, keyframe.id, images.error(), run.lost));
+    if (!images || !(*images == images_of(first_keyframe))) continue;
     ROOMWISE_TRY(const auto recordings, home.recordings());
     const auto known =
         std::ranges::find(recordings, keyframe.recording, &home::StoredRecording::id);
@@ -115,7 +117,7 @@ Expected<void> map_frames(recording::FrameSource& source, const home::Home& home
                               frame->device_motion);
     }());
     if (!step.new_keyframes.empty() && !std::exchange(is_begun, true))
-      ROOMWISE_CHECK_OK(check_is_new(home, *frame));
+      ROOMWISE_CHECK_OK(check_is_new(home, *frame, run));
     {
       const auto timing = run.clock.measure("store");
       ROOMWISE_CHECK_OK(writer.write(step, [&](std::uint64_t index) -> const image::RgbdFrame& {
@@ -208,7 +210,10 @@ Expected<void> solve(home::Home& home, const MapSettings& settings, mapping::Map
       summary.readout_s = solved.refinement->readout_s;
     }
     summary.rejected_edges = solved.solution.rejected_edges;
-    summary.unread = std::move(solved.unread);
+    for (const auto& [id, why] : solved.unread) {
+      const bool is_told = run.lost != nullptr && run.lost->all().contains(id);
+      if (!is_told) summary.unread.push_back(why);
+    }
     summary.graph_error_before = solved.solution.report.error_before;
     summary.graph_error_after = solved.solution.report.error_after;
     return put_stage(home, walk, MapStage::kSolved);
@@ -226,7 +231,7 @@ Expected<void> cull_walk_before(home::Home& home, const MapSettings& settings, R
                judge_keyframes(home, recordings[recordings.size() - 2].id, {}, run));
   const std::vector<home::KeyframeId> culled = redundant_of(verdicts);
   summary.culled = culled.size();
-  return cull_keyframes(home, culled, settings);
+  return cull_keyframes(home, culled, settings, run.lost);
 }
 
 // Poses, things, the localiser's index, and what need not be kept. `mapper` holds what the home
@@ -244,7 +249,8 @@ Expected<void> finish_map(home::Home& home, const MapSettings& settings, mapping
     ROOMWISE_CHECK_OK(redetect_on_proposals(home, *finders.of_proposals, run));
   {
     const auto timing = run.clock.measure("joining objects");
-    ROOMWISE_CHECK_OK(update_objects(home, settings.objects).map([](const FoundObjects&) {}));
+    ROOMWISE_CHECK_OK(
+        update_objects(home, settings.objects, run.lost).map([](const FoundObjects&) {}));
   }
   // A map of the paper's method holds no views: its localiser measures them when it is first used.
   if (settings.mapper.method != mapping::MappingMethod::kPaper) {

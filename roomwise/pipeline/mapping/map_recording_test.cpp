@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <array>
 #include <csignal>
 
 #include "roomwise/base/testing/testing.h"
@@ -13,6 +14,7 @@
 #include "roomwise/pipeline/report/home_report.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/rooms/room_recognizer.h"
+#include "roomwise/pipeline/stored/lost_pictures.h"
 #include "roomwise/pipeline/stored/stored_keyframes.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/pipeline/testing/fake_finder.h"
@@ -57,7 +59,8 @@ class MapRecording : public ::testing::Test {
         std::make_unique<ColorNetwork>(std::vector<std::string>{"studio couch", "wolf"}));
     ThreadPool pool(threads);
     StageClock clock;
-    RunContext run{pool, progress != nullptr ? *progress : silent_, clock, working_set_bytes_};
+    RunContext run{pool, progress != nullptr ? *progress : silent_, clock, working_set_bytes_,
+                   lost_};
     return map_recording(
         walk, {walk.info().name, "made up", walk.info().camera, walk.info().frames_remaining}, home,
         networks, settings_, run, finders_);
@@ -71,6 +74,7 @@ class MapRecording : public ::testing::Test {
   objects::ObjectFinders finders_;
   MapSettings settings_;
   std::size_t working_set_bytes_ = std::size_t{128} << 20U;
+  std::shared_ptr<LostPictures> lost_;
   SilentProgress silent_;
 };
 
@@ -554,6 +558,101 @@ TEST_F(MapFurtherWalks, JoinTheMapWithTheirOwnCamera) {
   EXPECT_LT(error_m(home, 1, SyntheticWalk(kFrames)), 0.03);
   EXPECT_LT(error_m(home, 2, further_walk(kFrames)), 0.03);
   EXPECT_EQ(stored_trajectory(home)->size(), 2U * kFrames);
+}
+
+// Of the first walk: the colour of its first key-frame, the depth of another, a page that cannot be
+// read is as one that is not there.
+class MapOverDamage : public MapFurtherWalks {
+ protected:
+  static constexpr std::array<home::KeyframeId, 3> kDamaged{0, 3, 6};
+
+  void SetUp() override {
+    MapFurtherWalks::SetUp();
+    home::Home home = home::Home::open(home_).value();
+    before_ = home.keyframes().value();
+    seen_ = home.predictions(1).value();
+    for (const char* damage :
+         {"UPDATE keyframe_images SET color = x'00' WHERE keyframe_id = 0",
+          "UPDATE keyframe_images SET depth = x'00' WHERE keyframe_id = 3",
+          "UPDATE keyframe_images SET color = x'ffd8ff', depth = x'' WHERE keyframe_id = 6",
+          // A network has not seen this one yet, nor can it now.
+          "DELETE FROM keyframe_predictions WHERE keyframe_id = 6 AND network_id = 2"})
+      ASSERT_OK(home.database().run(damage));
+  }
+  void go_on_without() {
+    lost_ = std::make_shared<LostPictures>(
+        true, [this](const Error& why) { told_.push_back(why.message); });
+  }
+  void expect_that_nothing_is_lost_but_pictures() {
+    EXPECT_THAT(told_, ::testing::UnorderedElementsAre(HasSubstr("a.home: key-frame 0: "),
+                                                       HasSubstr("a.home: key-frame 3: "),
+                                                       HasSubstr("a.home: key-frame 6: ")));
+    const home::Home home = *home::Home::open_read_only(home_);
+    const auto keyframes = home.keyframes().value();
+    ASSERT_GT(keyframes.size(), before_.size());
+    for (std::size_t i = 0; i < before_.size(); ++i)
+      EXPECT_EQ(keyframes[i].timestamp_ns, before_[i].timestamp_ns);
+    const auto seen = home.predictions(1).value();
+    for (const home::KeyframeId id : kDamaged) EXPECT_EQ(seen.at(id).scores, seen_.at(id).scores);
+    EXPECT_FALSE(home.predictions(2)->contains(6)) << "not seen stays not seen";
+    EXPECT_LT(error_m(home, 1, SyntheticWalk(kFrames)), 0.03);
+    EXPECT_LT(error_m(home, 2, further_walk(kFrames)), 0.03);
+  }
+
+  std::vector<home::Keyframe> before_;
+  std::map<home::KeyframeId, network::Prediction> seen_;
+  std::vector<std::string> told_;
+};
+
+TEST_F(MapOverDamage, AFurtherWalkJoinsWithoutThePicturesThatCannotBeRead) {
+  go_on_without();
+  SyntheticWalk further = further_walk(kFrames);
+  const auto summary = map(home_, further, 2);
+  ASSERT_OK(summary);
+  EXPECT_TRUE(summary->finished);
+  EXPECT_TRUE(summary->is_joined);
+  EXPECT_EQ(summary->components, 1U);
+  EXPECT_EQ(summary->placed, static_cast<std::uint64_t>(kFrames));
+  EXPECT_TRUE(summary->unread.empty()) << "each is told once";
+  expect_that_nothing_is_lost_but_pictures();
+}
+
+TEST_F(MapOverDamage, SoItDoesWhereNothingOfTheMapWasKeptReady) {
+  ASSERT_OK(home::Home::open(home_)->database().run("DELETE FROM derived_data"));
+  go_on_without();
+  SyntheticWalk further = further_walk(kFrames);
+  const auto summary = map(home_, further, 2);
+  ASSERT_OK(summary);
+  EXPECT_TRUE(summary->is_joined);
+  expect_that_nothing_is_lost_but_pictures();
+}
+
+TEST_F(MapOverDamage, AWalkMoreIsMappedAndCulledAndLookedThroughCloser) {
+  finders_.of_proposals = std::make_unique<testing::RedProposalClassifier>();
+  go_on_without();
+  SyntheticWalk further = further_walk(kFrames);
+  ASSERT_OK(map(home_, further, 2));
+  SyntheticWalk third(kFrames, 0.043, 0.2);
+  third.begins_ns += 200'000'000;
+  const auto summary = map(home_, third, 2);
+  ASSERT_OK(summary);
+  EXPECT_TRUE(summary->finished);
+  EXPECT_TRUE(summary->is_joined);
+  EXPECT_THAT(told_, ::testing::SizeIs(3)) << "not again";
+}
+
+TEST_F(MapOverDamage, WithoutLeaveTheErrorNamesTheKeyframeAndTheMend) {
+  lost_ = std::make_shared<LostPictures>(false);
+  SyntheticWalk further = further_walk(kFrames);
+  const auto summary = map(home_, further, 2);
+  ASSERT_FALSE(summary);
+  EXPECT_THAT(summary.error().message, HasSubstr("a.home: key-frame "));
+  EXPECT_THAT(summary.error().message, HasSubstr("--skip-damaged"));
+  go_on_without();
+  SyntheticWalk again = further_walk(kFrames);
+  const auto resumed = map(home_, again, 2);
+  ASSERT_OK(resumed);
+  EXPECT_TRUE(resumed->is_joined);
 }
 
 TEST_F(MapFurtherWalks, OfAnotherHomeStaysAComponentOfItsOwn) {

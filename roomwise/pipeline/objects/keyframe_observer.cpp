@@ -4,6 +4,7 @@
 
 #include "roomwise/image/codec.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
+#include "roomwise/pipeline/stored/lost_pictures.h"
 
 namespace roomwise::pipeline {
 
@@ -84,12 +85,14 @@ Expected<void> KeyframeObserver::observe_missing() {
     const auto misses = [id](const auto& seen) { return !seen.contains(id); };
     const bool find = std::ranges::any_of(looked_at, misses);
     if (find || std::ranges::any_of(predicted, misses)) {
-      ROOMWISE_TRY(const Images images, stored_images(id, find));
-      for (std::size_t i = 0; i < networks_->size(); ++i) {
-        if (misses(predicted[i])) show_network(id, i, images.color);
+      const auto images = stored_images(id, find);
+      // It stays among those that miss something.
+      if (!images) ROOMWISE_CHECK_OK(go_on_without(*home_, id, images.error(), run_->lost));
+      for (std::size_t i = 0; images && i < networks_->size(); ++i) {
+        if (misses(predicted[i])) show_network(id, i, images->color);
       }
-      for (std::size_t i = 0; i < finders_->size(); ++i) {
-        if (misses(looked_at[i])) show_finder(id, i, images, cameras.at(keyframes[k].recording));
+      for (std::size_t i = 0; images && i < finders_->size(); ++i) {
+        if (misses(looked_at[i])) show_finder(id, i, *images, cameras.at(keyframes[k].recording));
       }
     }
     while (under_way_.size() > 2 * run_->pool.size()) ROOMWISE_CHECK_OK(store_first());

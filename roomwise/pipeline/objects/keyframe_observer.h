@@ -44,7 +44,7 @@ class KeyframeObserver {
                                        std::shared_ptr<const image::RgbdFrame> frame,
                                        const geometry::PinholeCamera& camera);
   // Shows every stored key-frame to those that have not seen it yet, and waits for all. Fails where
-  // the user interrupts; what was seen until then is stored.
+  // the user interrupts, or a picture cannot be read; what was seen until then is stored.
   [[nodiscard]] Expected<void> observe_missing();
   // Waits for the work under way and stores it.
   [[nodiscard]] Expected<void> finish();

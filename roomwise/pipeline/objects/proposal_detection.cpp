@@ -63,8 +63,11 @@ Expected<void> redetect_on_proposals(home::Home& home,
       return ProposalObservations(looked, objects::fit_ground_plane(looked));
     }();
     ROOMWISE_CHECK_OK(look_at_proposals(proposals, home, keyframes, proposal_classifier, run));
+    const auto lost = run.lost ? run.lost->all() : std::map<home::KeyframeId, std::string>();
     auto detections = proposals.detections();
     for (const objects::ObservedKeyframe& keyframe : looked) {
+      // What was seen in a picture while it could be read stays.
+      if (lost.contains(keyframe.keyframe_id)) continue;
       closer[keyframe.keyframe_id] = {keyframe.coarse_depth,
                                       std::move(detections[keyframe.keyframe_id])};
     }

@@ -30,7 +30,8 @@ std::set<home::KeyframeId> after_known_ground(std::span<const mapping::PoseGraph
 }
 
 // The paper's way, from what the networks said of whole pictures.
-Expected<std::uint64_t> update_by_rules(home::Home& home, const objects::ObjectRules& rules) {
+Expected<std::uint64_t> update_by_rules(home::Home& home, const objects::ObjectRules& rules,
+                                        const std::shared_ptr<LostPictures>& lost) {
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto recordings, home.recordings());
@@ -51,11 +52,16 @@ Expected<std::uint64_t> update_by_rules(home::Home& home, const objects::ObjectR
       view.observations = found->second;
     }
     if (view.observations.empty()) continue;
-    ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe.id));
-    ROOMWISE_TRY(const image::DepthImage depth, image::decode_depth(images.depth));
+    const auto depth = home.images(keyframe.id).and_then([](const home::KeyframeImages& images) {
+      return image::decode_depth(images.depth);
+    });
+    if (!depth) {
+      ROOMWISE_CHECK_OK(go_on_without(home, keyframe.id, depth.error(), lost));
+      continue;
+    }
     const auto recording =
         std::ranges::find(recordings, keyframe.recording, &home::StoredRecording::id);
-    view.center_point = objects::center_point(depth, recording->recording.camera);
+    view.center_point = objects::center_point(*depth, recording->recording.camera);
   }
   // Components of the map that nothing joined have nothing to do with each other.
   std::map<std::uint64_t, std::vector<objects::KeyframeView>> views_of_component;
@@ -132,11 +138,12 @@ Expected<std::uint64_t> update_instances(home::Home& home) {
 
 }  // namespace
 
-Expected<FoundObjects> update_objects(home::Home& home, const objects::ObjectRules& rules) {
+Expected<FoundObjects> update_objects(home::Home& home, const objects::ObjectRules& rules,
+                                      const std::shared_ptr<LostPictures>& lost) {
   ROOMWISE_CHECK_OK(rules.validate());
   FoundObjects found;
   ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
-    ROOMWISE_TRY(found.by_rules, update_by_rules(home, rules));
+    ROOMWISE_TRY(found.by_rules, update_by_rules(home, rules, lost));
     ROOMWISE_TRY(found.instances, update_instances(home));
     return {};
   }));

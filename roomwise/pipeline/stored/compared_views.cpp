@@ -28,8 +28,8 @@ const motion::RgbdPyramid& ComparedViews::view(home::KeyframeId id) {
     if (auto read_now = read(id)) {
       held->second = *std::move(read_now);
     } else {
-      unread_.push_back(
-          fmt::format("{}: key-frame {}: {}", home_->file(), id, read_now.error().message));
+      unread_.emplace(
+          id, fmt::format("{}: key-frame {}: {}", home_->file(), id, read_now.error().message));
     }
   }
   return held->second;

@@ -21,7 +21,7 @@ class ComparedViews {
       home::KeyframeId reference, home::KeyframeId current,
       const geometry::RigidTransform& reference_from_current);
   // Why those could not be read that were asked for, one line each.
-  [[nodiscard]] const std::vector<std::string>& unread() const { return unread_; }
+  [[nodiscard]] const std::map<home::KeyframeId, std::string>& unread() const { return unread_; }
 
  private:
   explicit ComparedViews(const home::Home& home) : home_(&home) {}
@@ -31,7 +31,7 @@ class ComparedViews {
   const home::Home* home_;
   std::map<home::KeyframeId, geometry::PinholeCamera> cameras_;
   std::map<home::KeyframeId, motion::RgbdPyramid> views_;  // empty: unread
-  std::vector<std::string> unread_;
+  std::map<home::KeyframeId, std::string> unread_;
 };
 
 }  // namespace roomwise::pipeline

@@ -11,6 +11,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Pair;
 
 class ComparedViewsTest : public testing::MappedRoom {
  protected:
@@ -39,7 +40,7 @@ TEST_F(ComparedViewsTest, OneThatCannotBeReadOverlapsWithNoneAndIsToldOnce) {
   EXPECT_EQ(agreement(*views, 3, 4).overlap, 0);
   EXPECT_EQ(agreement(*views, 2, 3).overlap, 0);
   EXPECT_GT(agreement(*views, 4, 5).overlap, 0.2);
-  EXPECT_THAT(views->unread(), ElementsAre(HasSubstr("a.home: key-frame 3: ")));
+  EXPECT_THAT(views->unread(), ElementsAre(Pair(3, HasSubstr("a.home: key-frame 3: "))));
 }
 
 }  // namespace

@@ -18,6 +18,11 @@ Expected<DecodedImages> decode(const home::KeyframeImages& images,
   return DecodedImages{std::move(color), std::move(depth)};
 }
 
+DecodedImages blank(const geometry::PinholeCamera& camera) {
+  return {image::ColorImage(camera.width, camera.height),
+          image::DepthImage(camera.width, camera.height)};
+}
+
 Expected<std::map<home::RecordingId, geometry::PinholeCamera>> recording_cameras(
     const home::Home& home) {
   ROOMWISE_TRY(const auto recordings, home.recordings());

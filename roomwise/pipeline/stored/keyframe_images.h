@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "roomwise/home/home.h"
 #include "roomwise/image/image.h"
 #include "roomwise/pipeline/in_blocks.h"
+#include "roomwise/pipeline/stored/lost_pictures.h"
 
 namespace roomwise::pipeline {
 
@@ -26,27 +28,46 @@ struct DecodedImages {
 // The key-frames of the largest component of the map, by id.
 [[nodiscard]] Expected<std::vector<home::Keyframe>> map_keyframes(const home::Home& home);
 
+// A picture that shows nothing: what a key-frame counts as whose own cannot be read.
+[[nodiscard]] DecodedImages blank(const geometry::PinholeCamera& camera);
+
+struct NothingInItsPlace {
+  Expected<void> operator()(const home::Keyframe&) const { return {}; }
+};
 // Shows the images of key-frames: make(keyframe, images) runs on the pool's threads, then
 // take(keyframe, what was made), which may fail, in the order of the key-frames. Fails where images
-// cannot be decoded, naming the key-frame, or when the user interrupts.
-template <typename Make, typename Take>
+// cannot be read, naming the key-frame, or when the user interrupts. Where RunContext::lost says to
+// go on without such images, lost(keyframe) is called in the place of take().
+template <typename Make, typename Take, typename Lost = NothingInItsPlace>
 [[nodiscard]] Expected<void> for_each_keyframe(const home::Home& home,
                                                std::span<const home::Keyframe> keyframes,
                                                std::string_view work, RunContext& run,
-                                               const Make& make, const Take& take) {
+                                               const Make& make, const Take& take,
+                                               const Lost& lost = {}) {
   using Made = std::invoke_result_t<Make, const home::Keyframe&, const DecodedImages&>;
+  using Images = std::optional<home::KeyframeImages>;
   ROOMWISE_TRY(const auto cameras, recording_cameras(home));
+  const auto without = [&](std::size_t i, Error why) {
+    return go_on_without(home, keyframes[i].id, std::move(why), run.lost);
+  };
   return in_blocks(
-      keyframes.size(), work, run, [&](std::size_t i) { return home.images(keyframes[i].id); },
-      [&](std::size_t i, const home::KeyframeImages& images) -> Expected<Made> {
-        auto made =
-            decode(images, cameras.at(keyframes[i].recording))
-                .map([&](const DecodedImages& decoded) { return make(keyframes[i], decoded); });
-        if (made) return made;
-        return Unexpected(std::move(made).error().in(
-            fmt::format("{}: key-frame {}", home.file(), keyframes[i].id)));
+      keyframes.size(), work, run,
+      [&](std::size_t i) -> Expected<Images> {
+        auto images = home.images(keyframes[i].id);
+        if (images) return *std::move(images);
+        ROOMWISE_CHECK_OK(without(i, std::move(images).error()));
+        return std::nullopt;
       },
-      [&](std::size_t i, Made made) { return take(keyframes[i], std::move(made)); });
+      [&](std::size_t i, const Images& images) -> Expected<std::optional<Made>> {
+        if (!images) return std::nullopt;
+        const auto decoded = decode(*images, cameras.at(keyframes[i].recording));
+        if (decoded) return std::optional<Made>(make(keyframes[i], *decoded));
+        ROOMWISE_CHECK_OK(without(i, decoded.error()));
+        return std::nullopt;
+      },
+      [&](std::size_t i, std::optional<Made> made) -> Expected<void> {
+        return made ? take(keyframes[i], *std::move(made)) : lost(keyframes[i]);
+      });
 }
 
 }  // namespace roomwise::pipeline

@@ -55,12 +55,16 @@ Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
     mapper.restore_stored(
         {stored.begin(), stored.begin() + static_cast<std::ptrdiff_t>(first)},
         std::move(known->index),
-        [&home, &extractor, settings, cameras,
-         stored](home::KeyframeId id) -> Expected<motion::FrameMeasurements> {
+        [&home, &extractor, settings, cameras, stored,
+         lost = run.lost](home::KeyframeId id) -> Expected<motion::FrameMeasurements> {
           const geometry::PinholeCamera& camera = cameras.at(stored[id].recording);
-          ROOMWISE_TRY(const home::KeyframeImages images, home.images(id));
-          ROOMWISE_TRY(const DecodedImages decoded, decode(images, camera));
-          return measure_frame(decoded.color, decoded.depth, camera, extractor, settings);
+          auto decoded = home.images(id).and_then(
+              [&](const home::KeyframeImages& images) { return decode(images, camera); });
+          if (!decoded) {
+            ROOMWISE_CHECK_OK(go_on_without(home, id, std::move(decoded).error(), lost));
+            decoded = blank(camera);
+          }
+          return measure_frame(decoded->color, decoded->depth, camera, extractor, settings);
         });
   }
   const auto rest = std::span(stored).subspan(is_known ? first : 0);

@@ -23,7 +23,11 @@ Expected<void> measure_each_keyframe(const home::Home& home,
                              motion::FrameMeasurements measurements) {
     return take({keyframe, std::move(measurements)});
   };
-  return for_each_keyframe(home, keyframes, "loading the map", run, measure, hand_over);
+  const auto hand_over_blank = [&](const home::Keyframe& keyframe) {
+    return hand_over(keyframe, measure(keyframe, blank(cameras.at(keyframe.recording))));
+  };
+  return for_each_keyframe(home, keyframes, "loading the map", run, measure, hand_over,
+                           hand_over_blank);
 }
 
 Expected<std::vector<mapping::Keyframe>> measure_keyframes(
@@ -70,8 +74,11 @@ Expected<mapping::FindFeatures> stored_keyframe_features(const home::Home& home,
       found.push_back(std::move(features));
       return {};
     };
-    ROOMWISE_CHECK_OK(
-        for_each_keyframe(home, keyframes, "finding features again", run, measure, keep));
+    const auto keep_blank = [&](const home::Keyframe& keyframe) {
+      return keep(keyframe, measure(keyframe, blank(cameras.at(keyframe.recording))));
+    };
+    ROOMWISE_CHECK_OK(for_each_keyframe(home, keyframes, "finding features again", run, measure,
+                                        keep, keep_blank));
     return found;
   };
 }

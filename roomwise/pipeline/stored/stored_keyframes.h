@@ -17,7 +17,8 @@ namespace roomwise::pipeline {
 using TakeKeyframe = std::function<Expected<void>(mapping::Keyframe)>;
 
 // What mapping took from key-frames, found again in their stored images; they are handed over one
-// by one, in the order given.
+// by one, in the order given. One whose images are lost (RunContext::lost) is handed over, too, as
+// if it had shown nothing.
 [[nodiscard]] Expected<void> measure_each_keyframe(const home::Home& home,
                                                    std::span<const home::Keyframe> keyframes,
                                                    const features::FeatureExtractor& extractor,

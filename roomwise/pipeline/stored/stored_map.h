@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,6 +13,7 @@
 #include "roomwise/mapping/backend/map_refinement.h"
 #include "roomwise/mapping/backend/map_solver.h"
 #include "roomwise/objects/detection/paper_objects.h"
+#include "roomwise/pipeline/stored/lost_pictures.h"
 #include "roomwise/pipeline/stored/map_settings.h"
 #include "roomwise/recording/trajectory_file.h"
 
@@ -23,7 +25,7 @@ struct SolvedMap {
   // Where the settings adjust the bundle: the key-frames are where this puts them.
   std::optional<mapping::MapRefinement> refinement;
   // Why key-frames could not be read that would have told whether parts show the same place.
-  std::vector<std::string> unread;
+  std::map<home::KeyframeId, std::string> unread = {};
 };
 
 // Optimises the pose graph of all that is stored, adjusts the bundle where the settings say so, and
@@ -57,9 +59,10 @@ struct FoundObjects {
 };
 // Applies the rules of objects/ to what the networks saw, and joins the regions that were found,
 // with the home's concepts and the poses as they are now: after mapping, after optimising, after
-// editing the concepts.
-[[nodiscard]] Expected<FoundObjects> update_objects(home::Home& home,
-                                                    const objects::ObjectRules& rules);
+// editing the concepts. Where a picture that rules ask for cannot be read `lost` says what to do.
+[[nodiscard]] Expected<FoundObjects> update_objects(
+    home::Home& home, const objects::ObjectRules& rules,
+    const std::shared_ptr<LostPictures>& lost = nullptr);
 
 // The poses of all frames that the largest component of the map places, walk by walk in the order
 // of time, or of those of one walk: along the key-frames that they hang on and, where the map's
