@@ -20,7 +20,7 @@ constexpr double kOfSide = 0.04;       // and of the box's side, since a thing's
 constexpr double kHidden = 0.2;        // of the side, where something hides a part
 constexpr double kCut = 0.5;           // of the side, where the picture's border cuts it
 constexpr double kPoseError_m = 0.02;  // of the recording's own truth
-constexpr double kMostSigma_m = 0.5;   // of a middle that is known at all
+constexpr double kMaxSigma_m = 0.5;    // of a middle that is known at all
 constexpr int kIterations = 20;
 
 Vector2d middle_of(const network::PixelBox& box) {
@@ -158,7 +158,7 @@ std::optional<LiftedThing> lift(std::span<const PlacedView> views) {
       Eigen::SelfAdjointEigenSolver<Matrix3d>(equations.information).eigenvalues()[0];
   LiftedThing thing;
   thing.sigma_m = 1 / std::sqrt(std::max(min_information, 1e-9));
-  if (thing.sigma_m > kMostSigma_m) return std::nullopt;
+  if (thing.sigma_m > kMaxSigma_m) return std::nullopt;
 
   const PlacedView& best = best_of(views);
   const double depth_m = (best.world_from_camera.inverse() * middle).z();

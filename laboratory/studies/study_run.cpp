@@ -13,8 +13,8 @@
 #include <mutex>
 #include <thread>
 
-#include "roomwise/base/descriptor.h"
 #include "roomwise/base/file.h"
+#include "roomwise/base/file_descriptor.h"
 
 namespace roomwise::studies {
 namespace {
@@ -37,7 +37,7 @@ class TaskLock {
       : file_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {}
 
  private:
-  Descriptor file_;
+  FileDescriptor file_;
 };
 
 // How often the task was begun, with this time.

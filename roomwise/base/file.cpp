@@ -9,14 +9,14 @@
 #include <cerrno>
 #include <cstring>
 
-#include "roomwise/base/descriptor.h"
+#include "roomwise/base/file_descriptor.h"
 
 namespace roomwise {
 namespace {
 
 template <typename Container>
 Expected<Container> read_whole(const std::filesystem::path& path) {
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  const FileDescriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (file.value < 0) return fail("{}: cannot be opened: {}", path.string(), std::strerror(errno));
   struct stat status {};
   if (::fstat(file.value, &status) != 0) {
@@ -39,7 +39,7 @@ Expected<Container> read_whole(const std::filesystem::path& path) {
 
 // A device or a pipe (/dev/stdout) takes the bytes; it must not be replaced by a file.
 Expected<void> write_into(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
-  const Descriptor file{::open(path.c_str(), O_WRONLY | O_CLOEXEC)};
+  const FileDescriptor file{::open(path.c_str(), O_WRONLY | O_CLOEXEC)};
   if (file.value < 0 || !write_whole(file.value, bytes)) {
     return fail_with(code_of_write_error(errno), "{}: cannot be written: {}", path.string(),
                      std::strerror(errno));
@@ -76,7 +76,7 @@ Expected<std::string> read_text_file(const std::filesystem::path& path) {
 bool is_database(const std::filesystem::path& path) {
   constexpr std::string_view kMagic("SQLite format 3\0", 16);
   std::array<char, kMagic.size()> first{};
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+  const FileDescriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
   return file.value >= 0 && ::read(file.value, first.data(), first.size()) == std::ssize(first) &&
          std::string_view(first.data(), first.size()) == kMagic;
 }
@@ -89,7 +89,8 @@ Expected<void> check_can_write(const std::filesystem::path& path) {
     if (!S_ISREG(status.st_mode)) return {};
   }
   const std::filesystem::path partial = partial_of(path);
-  const Descriptor file{::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
+  const FileDescriptor file{
+      ::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
   if (file.value < 0) return fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
   ::unlink(partial.c_str());
   return {};
@@ -108,7 +109,7 @@ Expected<void> write_file(const std::filesystem::path& path, std::span<const std
     return fail_with(code_of_write_error(error), "{}: {}: {}", path.string(), what,
                      std::strerror(error));
   };
-  Descriptor file{::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
+  FileDescriptor file{::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
   if (file.value < 0) return failed("cannot be written");
   if (!write_whole(file.value, bytes)) return failed("cannot be written");
   if (::fsync(file.value) != 0) return failed("cannot be flushed to the disk");

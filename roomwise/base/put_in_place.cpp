@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "roomwise/base/descriptor.h"
+#include "roomwise/base/file_descriptor.h"
 
 namespace roomwise {
 
@@ -17,7 +17,7 @@ Expected<void> put_in_place(const std::filesystem::path& from, const std::filesy
     return fail("{}: cannot be put in place: {}", to.string(), std::strerror(errno));
   }
   const std::filesystem::path folder = std::filesystem::absolute(to).parent_path();
-  const Descriptor descriptor{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  const FileDescriptor descriptor{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
   if (descriptor.value < 0 || ::fsync(descriptor.value) != 0) {
     return fail("{}: cannot be flushed to the disk: {}", folder.string(), std::strerror(errno));
   }

@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "roomwise/base/descriptor.h"
 #include "roomwise/base/file.h"
+#include "roomwise/base/file_descriptor.h"
 
 namespace roomwise::download {
 namespace {
@@ -30,7 +30,7 @@ Unexpected failed(const fs::path& path, const char* what) {
 // Hands on what is in the file, a block after the other: networks are larger than memory should be.
 template <typename Take>
 Expected<void> read_blocks(const fs::path& path, const Take& take) {
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  const FileDescriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (file.value < 0) return failed(path, "cannot be opened");
   std::vector<std::uint8_t> block(std::size_t{1} << 20U);
   for (;;) {
@@ -119,7 +119,7 @@ Expected<PartFile> PartFile::open(const fs::path& target) {
   if (error) return fail("{}: cannot be made: {}", target.parent_path().string(), error.message());
   const fs::path path = target.string() + ".part";
   for (;;) {
-    Descriptor file{::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644)};
+    FileDescriptor file{::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644)};
     if (file.value < 0) return failed(path, "cannot be written");
     if (::flock(file.value, LOCK_EX | LOCK_NB) != 0) {
       if (errno != EWOULDBLOCK) return failed(path, "cannot be locked");

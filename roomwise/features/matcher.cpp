@@ -21,10 +21,10 @@ namespace {
 constexpr std::int32_t kFar = std::numeric_limits<std::int32_t>::min();
 constexpr std::size_t kLanes = 8;  // the most that are worked on at a time
 
-[[gnu::always_inline]] inline void count_lanes(Int8& lanes) {
+[[gnu::always_inline]] inline void iota_lanes(Int8& lanes) {
   lanes = Int8{0, 1, 2, 3, 4, 5, 6, 7};
 }
-[[gnu::always_inline]] inline void count_lanes(Int4& lanes) {
+[[gnu::always_inline]] inline void iota_lanes(Int4& lanes) {
   lanes = Int4{0, 1, 2, 3};
 }
 
@@ -54,7 +54,7 @@ class NeighbourTable {
     constexpr int kCount = Lanes<simd>::kCount;
     const auto here = static_cast<std::int32_t>(query);
     Int first = Int{} + kFar, second = first, where{}, train;
-    count_lanes(train);
+    iota_lanes(train);
     for (std::size_t t = 0; t < train_closeness_.size(); t += kCount, train += kCount) {
       Int now, best, best_query;
       load(closeness + t, now);

@@ -112,7 +112,7 @@ std::vector<double> levels_of(const std::vector<GroundPath>& paths) {
   std::ranges::sort(walked);
   std::vector<double> levels;
   for (;;) {
-    double most_m = 0, level_m = 0, window_m = 0;
+    double max_m = 0, level_m = 0, window_m = 0;
     for (std::size_t first = 0, end = 0; first < walked.size(); ++first) {
       while (end < walked.size() && walked[end].first - walked[first].first <= 2 * kStep_m) {
         window_m += walked[end++].second;
@@ -120,13 +120,13 @@ std::vector<double> levels_of(const std::vector<GroundPath>& paths) {
       const double middle_m = walked[first + (end - first) / 2].first;
       const bool is_new = std::ranges::all_of(
           levels, [&](double level) { return std::abs(level - middle_m) >= kPerson_m; });
-      if (is_new && window_m > most_m) {
-        most_m = window_m;
+      if (is_new && window_m > max_m) {
+        max_m = window_m;
         level_m = middle_m;
       }
       window_m -= walked[first].second;
     }
-    if (most_m < kStorey_m) break;
+    if (max_m < kStorey_m) break;
     levels.push_back(level_m);
   }
   std::ranges::sort(levels);

@@ -853,10 +853,10 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
     const double missing_s = std::min(track_.age_s(now_ns), seconds_between(began_ns_, now_ns));
     const bool is_new = begun_ == 0;
     const bool stands = state_ != State::kWalking && track_.is_standing();
-    const double most_s = is_new   ? 2 * kReaction_s
-                          : stands ? options_.lost_standing_s
-                                   : options_.lost_s;
-    if (missing_s < most_s) return std::nullopt;
+    const double max_s = is_new   ? 2 * kReaction_s
+                         : stands ? options_.lost_standing_s
+                                  : options_.lost_s;
+    if (missing_s < max_s) return std::nullopt;
     if (now_ns < steps_until_ns_) return std::nullopt;
     if (may_end_unseen()) return end_unseen(now_ns);
     if (may_step_unseen(now_ns)) return step_unseen(now_ns);

@@ -49,16 +49,16 @@ class Planner {
       return known->second * kDoor_m + target(room).distance_m(place);
     };
     Vector2d nearest = from_;
-    double least_m = kInfinitelyFar;
+    double min_m = kInfinitelyFar;
     // Nowhere is an end, so it looks everywhere.
     (void)find(radius_m, [&](const Vector2d& place) -> std::optional<double> {
-      if (const double left_m = rest_m(place); left_m < least_m) {
-        least_m = left_m;
+      if (const double left_m = rest_m(place); left_m < min_m) {
+        min_m = left_m;
         nearest = place;
       }
       return std::nullopt;
     });
-    if (least_m == kInfinitelyFar) return std::nullopt;
+    if (min_m == kInfinitelyFar) return std::nullopt;
     auto plan = find(radius_m, [&](const Vector2d& place) {
       return place == nearest ? std::optional(0.0) : std::nullopt;
     });

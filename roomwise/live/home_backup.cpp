@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "roomwise/base/descriptor.h"
 #include "roomwise/base/file.h"
+#include "roomwise/base/file_descriptor.h"
 #include "roomwise/base/put_in_place.h"
 #include "roomwise/live/remove_folder.h"
 #include "roomwise/service/private_folder.h"
@@ -115,7 +115,7 @@ Expected<void> check_free(const fs::path& home) {
 
 // All that was copied is on the disk.
 Expected<void> flush(const fs::path& folder) {
-  const Descriptor descriptor{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  const FileDescriptor descriptor{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
   if (descriptor.value >= 0 && ::syncfs(descriptor.value) == 0) return {};
   return fail("{}: cannot be flushed to the disk: {}", folder.string(), std::strerror(errno));
 }

@@ -123,7 +123,7 @@ class House::Resident final : public service::ServedHome {
     ROOMWISE_TRY(LiveHome* const live, open());
     return live;
   }
-  void did(const HttpRequest& request, const service::Route& route, int status) override {
+  void note_done(const HttpRequest& request, const service::Route& route, int status) override {
     if (!route.is_audited) return;
     house_.options_.audit(
         {name_, *request.who, request.peer, request.method + " " + route.pattern, status});
@@ -316,10 +316,10 @@ void House::say(const std::string& name, std::string_view line) const {
 
 // ---- who comes ----
 
-std::variant<service::Arrival, HttpAnswer> House::arrive(const HttpRequest& request,
-                                                         const service::Now& now) {
+std::variant<service::ResolvedRequest, HttpAnswer> House::resolve(const HttpRequest& request,
+                                                                  const service::Now& now) {
   const auto path = home_path(request.path);
-  if (!path) return service::Arrival{front_};
+  if (!path) return service::ResolvedRequest{front_};
   if (path->rest.empty()) {
     HttpAnswer moved;
     moved.status = 308;  // what the pages load is relative to the home's address
@@ -328,7 +328,7 @@ std::variant<service::Arrival, HttpAnswer> House::arrive(const HttpRequest& requ
   }
   const bool is_of_house =
       !is_of_home(path->rest) || is_for_everyone(door_->router(), request.method, path->rest);
-  if (is_of_house) return service::Arrival{door_, path->base};
+  if (is_of_house) return service::ResolvedRequest{door_, path->base};
   if (request.method == "POST" && path->rest == kPair && is_home_name(path->name)) {
     if (looks_elsewhere(path->name) && has(path->name)) {
       const auto mine = find(path->name);
@@ -336,7 +336,7 @@ std::variant<service::Arrival, HttpAnswer> House::arrive(const HttpRequest& requ
         return later("another process has this home; try again soon", 1);
       }
     }
-    return service::Arrival{pairing_, path->base};
+    return service::ResolvedRequest{pairing_, path->base};
   }
   // Whether there is such a home is nobody's affair: one that is not there has no devices.
   if (!has(path->name)) return answer_to_nobody();
@@ -348,19 +348,19 @@ std::variant<service::Arrival, HttpAnswer> House::arrive(const HttpRequest& requ
     say(path->name, resident.error().message);
     return later("this home cannot be opened now; the log of the computer says why", 5);
   }
-  service::Arrival arrival{*resident, path->base};
+  service::ResolvedRequest resolved{*resident, path->base};
   if (const auto token = service::token_of(request)) {
-    arrival.who = (*resident)->access().identify(*token, now);
+    resolved.who = (*resident)->access().identify(*token, now);
   }
-  if (arrival.who) return arrival;
+  if (resolved.who) return resolved;
   auto known = options_.known_to_house(request, path->name);
   if (!known) {
     say(path->name, known.error().message);
     return later("the accounts cannot be asked now; try again soon", 5);
   }
-  arrival.who = *std::move(known);
-  if (arrival.who || is_for_everyone((*resident)->router(), request.method, path->rest)) {
-    return arrival;
+  resolved.who = *std::move(known);
+  if (resolved.who || is_for_everyone((*resident)->router(), request.method, path->rest)) {
+    return resolved;
   }
   return answer_to_nobody();
 }
@@ -551,10 +551,9 @@ void House::tidy() {
       if (one.use_count() > 1) one->use();
     }
     leaving = take_out([&](Resident& one) {
-      const double most_s =
-          one.is_open() ? options_.idle_s : std::min(kUnopened_s, options_.idle_s);
+      const double max_s = one.is_open() ? options_.idle_s : std::min(kUnopened_s, options_.idle_s);
       std::error_code ignored;
-      return now_s - one.used_s() > most_s || fs::exists(wanted_file(file_of(one.name())), ignored);
+      return now_s - one.used_s() > max_s || fs::exists(wanted_file(file_of(one.name())), ignored);
     });
   }
   close(std::move(leaving));

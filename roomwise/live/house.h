@@ -76,7 +76,7 @@ class House final : public service::HomesAtPort {
   House(const House&) = delete;
   House& operator=(const House&) = delete;
 
-  [[nodiscard]] std::variant<service::Arrival, service::HttpAnswer> arrive(
+  [[nodiscard]] std::variant<service::ResolvedRequest, service::HttpAnswer> resolve(
       const service::HttpRequest& request, const service::Now& now) override;
 
   // The homes of the folder, by name. Files whose names cannot stand in an address are none.

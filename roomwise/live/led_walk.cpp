@@ -17,15 +17,15 @@ std::optional<Goal> nearest(std::vector<Goal> goals, const guide::HomeMap& map,
                             const guide::UserLocation& location) {
   if (goals.empty()) return std::nullopt;
   std::size_t best = 0;
-  double least_m = std::numeric_limits<double>::infinity();
+  double min_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; goals.size() > 1 && i < goals.size(); ++i) {
     const guide::Plan plan = guide::plan_way(map, location, goals[i]);
     if (plan.reach != guide::Reach::kWhole) continue;
     const auto stairs = map.storeys != nullptr ? std::span(map.storeys->stairs())
                                                : std::span<const fusion::Staircase>();
     const double way_m = guide::length_m(plan.route, stairs);
-    if (way_m >= least_m) continue;
-    least_m = way_m;
+    if (way_m >= min_m) continue;
+    min_m = way_m;
     best = i;
   }
   return goals[best];

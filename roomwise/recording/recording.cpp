@@ -10,7 +10,7 @@ namespace roomwise::recording {
 namespace {
 
 // Within this time a hand moves evenly, or nearly.
-constexpr TimestampNs kMostBetweenPoses_ns = 150'000'000;
+constexpr TimestampNs kMaxBetweenPoses_ns = 150'000'000;
 
 geometry::RigidTransform between(const StampedPose& before, const StampedPose& after,
                                  TimestampNs timestamp_ns) {
@@ -73,7 +73,7 @@ std::optional<geometry::DeviceMotion> Recording::motion_at(TimestampNs timestamp
   if (after->timestamp_ns != timestamp_ns) {
     if (after == poses.begin()) return std::nullopt;
     const StampedPose& before = *std::prev(after);
-    if (after->timestamp_ns - before.timestamp_ns > kMostBetweenPoses_ns) return std::nullopt;
+    if (after->timestamp_ns - before.timestamp_ns > kMaxBetweenPoses_ns) return std::nullopt;
     world_from_camera = between(before, *after, timestamp_ns);
   }
   if (!contents_.device_up) return geometry::DeviceMotion{world_from_camera};

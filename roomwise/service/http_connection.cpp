@@ -148,8 +148,8 @@ class HttpConnection final : public Connection,
   void find_home() {
     home_.reset();
     took_of_peer_ = false;
-    if (core_.homes->arrives_at_once()) {
-      return on_arrival(core_.homes->arrive(request_, core_.now()));
+    if (core_.homes->resolves_at_once()) {
+      return on_resolved(core_.homes->resolve(request_, core_.now()));
     }
     // Finding it takes a worker, files and perhaps a database: not for whoever asks too often. Who
     // turns out to be known is counted as a device alone.
@@ -157,18 +157,18 @@ class HttpConnection final : public Connection,
       return answer_at_once(refused_too_many());
     }
     took_of_peer_ = true;
-    const auto arrive = [this] { return core_.homes->arrive(request_, core_.now()); };
-    on_worker(arrive, [this](auto arrival) { on_arrival(std::move(arrival)); });
+    const auto resolve = [this] { return core_.homes->resolve(request_, core_.now()); };
+    on_worker(resolve, [this](auto resolved) { on_resolved(std::move(resolved)); });
   }
 
-  void on_arrival(std::variant<Arrival, HttpAnswer> outcome) {
+  void on_resolved(std::variant<ResolvedRequest, HttpAnswer> outcome) {
     if (auto* refusal = std::get_if<HttpAnswer>(&outcome)) {
       return answer_at_once(std::move(*refusal));
     }
-    auto& arrival = std::get<Arrival>(outcome);
-    home_ = std::move(arrival.home);
-    request_.who = std::move(arrival.who);
-    request_.base = std::move(arrival.base);
+    auto& resolved = std::get<ResolvedRequest>(outcome);
+    home_ = std::move(resolved.home);
+    request_.who = std::move(resolved.who);
+    request_.base = std::move(resolved.base);
     request_.path.erase(0, request_.base.size());
     if (auto refusal = refuse_too_many()) return answer_at_once(*std::move(refusal));
     if (auto refusal = refuse_other_names()) return answer_at_once(*std::move(refusal));
@@ -267,7 +267,7 @@ class HttpConnection final : public Connection,
   HttpAnswer handle() {
     HttpAnswer answer = home_->router().answer(request_);
     if (request_.who && request_.method != "GET") {
-      home_->did(request_, *match_.route, answer.status);
+      home_->note_done(request_, *match_.route, answer.status);
     }
     return answer;
   }
@@ -289,7 +289,7 @@ class HttpConnection final : public Connection,
       return answer_at_once(error_answer(400, "the client must wait until the WebSocket is open"));
     }
     const auto prepare = [home = home_] { return home->sockets(); };
-    if (core_.homes->arrives_at_once()) return on_prepared(prepare());
+    if (core_.homes->resolves_at_once()) return on_prepared(prepare());
     on_worker(prepare, [this](auto sockets) { on_prepared(std::move(sockets)); });
   }
 

@@ -6,15 +6,15 @@
 #include <cerrno>
 #include <cstring>
 
-#include "roomwise/base/descriptor.h"
 #include "roomwise/base/file.h"
+#include "roomwise/base/file_descriptor.h"
 
 namespace roomwise::service {
 
 Expected<void> write_private_file(const std::filesystem::path& path, std::string_view text) {
   const std::filesystem::path part = path.string() + ".part";
   ::unlink(part.c_str());  // an old one may have other rights
-  const Descriptor file(::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+  const FileDescriptor file(::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
   const bool written =
       file.value >= 0 && write_whole(file.value, bytes) && ::fsync(file.value) == 0;

@@ -25,13 +25,13 @@ class OneAtPort final : public HomesAtPort {
   OneAtPort(Router router, AccessRegister& access, SocketHandler& sockets)
       : access_(access), home_(std::make_shared<OnlyHome>(std::move(router), sockets)) {}
 
-  [[nodiscard]] std::variant<Arrival, HttpAnswer> arrive(const HttpRequest& request,
-                                                         const Now& now) override {
-    Arrival arrival{home_};
-    if (const auto token = token_of(request)) arrival.who = access_.identify(*token, now);
-    return arrival;
+  [[nodiscard]] std::variant<ResolvedRequest, HttpAnswer> resolve(const HttpRequest& request,
+                                                                  const Now& now) override {
+    ResolvedRequest resolved{home_};
+    if (const auto token = token_of(request)) resolved.who = access_.identify(*token, now);
+    return resolved;
   }
-  [[nodiscard]] bool arrives_at_once() const override { return true; }
+  [[nodiscard]] bool resolves_at_once() const override { return true; }
 
  private:
   AccessRegister& access_;

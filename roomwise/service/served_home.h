@@ -25,11 +25,11 @@ class ServedHome {
   // fails in words for people.
   [[nodiscard]] virtual Expected<SocketHandler*> sockets() = 0;
   // Told of what was done for who is known: of all requests but GET. On a worker.
-  virtual void did(const HttpRequest& /*request*/, const Route& /*route*/, int /*status*/) {}
+  virtual void note_done(const HttpRequest& /*request*/, const Route& /*route*/, int /*status*/) {}
 };
 
 // A request that found its home.
-struct Arrival {
+struct ResolvedRequest {
   std::shared_ptr<ServedHome> home;
   std::string base = {};  // of the request's path: "/homes/flat-7"
   std::optional<Identity> who = {};
@@ -41,10 +41,10 @@ class HomesAtPort {
   virtual ~HomesAtPort() = default;
   // Whose home a request is for and whom it is from, or why that cannot be told. `request` has no
   // body yet.
-  [[nodiscard]] virtual std::variant<Arrival, HttpAnswer> arrive(const HttpRequest& request,
-                                                                 const Now& now) = 0;
-  // Whether arrive() waits for nothing, so that it can be called on the network's thread.
-  [[nodiscard]] virtual bool arrives_at_once() const { return false; }
+  [[nodiscard]] virtual std::variant<ResolvedRequest, HttpAnswer> resolve(
+      const HttpRequest& request, const Now& now) = 0;
+  // Whether resolve() waits for nothing, so that it can be called on the network's thread.
+  [[nodiscard]] virtual bool resolves_at_once() const { return false; }
 };
 
 // GET /api/socket, which a router needs so that WebSockets can be opened.

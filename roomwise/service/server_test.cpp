@@ -288,15 +288,17 @@ class NotingHomes final : public HomesAtPort {
     const std::string name_ = "flat-1";
     const Router router_{{route("GET", "/api/me", Role::kDevice), socket_route()}};
   };
-  std::variant<Arrival, HttpAnswer> arrive(const HttpRequest& request, const Now&) override {
-    ++arrivals;
+  std::variant<ResolvedRequest, HttpAnswer> resolve(const HttpRequest& request,
+                                                    const Now&) override {
+    ++requests;
     if (request.header("authorization").empty()) return error_answer(401, "nobody");
     if (request.header("authorization") == "Bearer broken") {
       throw std::runtime_error("the secret path /home/anna");
     }
-    return Arrival{std::make_shared<Home>(), "", Identity{1, "Anna's phone", Role::kDevice}};
+    return ResolvedRequest{std::make_shared<Home>(), "",
+                           Identity{1, "Anna's phone", Role::kDevice}};
   }
-  std::atomic<int> arrivals = 0;
+  std::atomic<int> requests = 0;
 };
 
 TEST(ServerTest, ARequestWhoseHomeCannotBeFoundOrOpenedForAFaultFailsAlone) {
@@ -349,9 +351,9 @@ TEST(ServerTest, WhoAsksTooOftenIsNotEvenLookedUp) {
   RawClient stranger((*server)->port());
   ASSERT_TRUE(stranger.shake_hands());
   for (int i = 0; i < 3; ++i) EXPECT_EQ(stranger.ask("GET", "/api/me").status, 401);
-  EXPECT_EQ(homes.arrivals, 8);
+  EXPECT_EQ(homes.requests, 8);
   EXPECT_EQ(stranger.ask("GET", "/api/me").status, 429);
-  EXPECT_EQ(homes.arrivals, 8);
+  EXPECT_EQ(homes.requests, 8);
 }
 
 // The tests' process holds both ends of every connection.

@@ -20,7 +20,7 @@ constexpr double kTurn_rad_m = 2 / (2 * kSteadyPath_m);
 constexpr double kNoise_m = 0.001;
 constexpr double kNoise_rad = 0.0005;
 constexpr double kShortestDropout_s = 1, kLongestDropout_s = 2;
-constexpr double kLeastJump_m = 0.1, kMostJump_m = 0.5, kMostJump_rad = 0.2;
+constexpr double kMinJump_m = 0.1, kMaxJump_m = 0.5, kMaxJump_rad = 0.2;
 
 RigidTransform about_up(double angle_rad, const Vector3d& translation = Vector3d::Zero()) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ())), translation};
@@ -67,9 +67,9 @@ class Drift {
 };
 
 RigidTransform jump(RandomStream& random) {
-  const double length_m = random.between(kLeastJump_m, kMostJump_m);
+  const double length_m = random.between(kMinJump_m, kMaxJump_m);
   const double towards_rad = random.between(0, 2 * std::numbers::pi);
-  return about_up(random.between(-kMostJump_rad, kMostJump_rad),
+  return about_up(random.between(-kMaxJump_rad, kMaxJump_rad),
                   length_m * Vector3d(std::cos(towards_rad), std::sin(towards_rad), 0));
 }
 

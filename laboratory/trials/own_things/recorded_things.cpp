@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLeastViews = 3;
-constexpr float kLeastSide_px = 24, kLeastShownSide_px = 64;
+constexpr std::size_t kMinViews = 3;
+constexpr float kMinSide_px = 24, kMinShownSide_px = 64;
 constexpr int kQuality = 92;
 constexpr int kWidth_px = 640;
 constexpr std::uint64_t kRecordedStream = 0x0B1, kPhotoStream = 0x0B2;
@@ -75,7 +75,7 @@ Expected<TrialThing> recorded_thing(const labelling::LabelledThing& labelled,
   const std::size_t shown = views.size() / 2;
   for (std::size_t i = 0; i < views.size(); ++i) {
     ROOMWISE_TRY(const BoxedPicture one, boxed(recording, views[i]));
-    if (narrow_side(one.box) < (i < shown ? kLeastShownSide_px : kLeastSide_px)) continue;
+    if (narrow_side(one.box) < (i < shown ? kMinShownSide_px : kMinSide_px)) continue;
     if (i < shown) {
       thing.shown.push_back(
           image::encode_jpeg(shown_before_camera(one.color, one.box, random), kQuality));
@@ -194,7 +194,7 @@ Expected<void> add_recorded_things(const std::vector<LabelledRecording>& recordi
     std::map<std::string, int> of_name;
     for (const labelling::LabelledThing& one : labels.things) ++of_name[one.name];
     for (const labelling::LabelledThing& one : labels.things) {
-      if (of_name[one.name] > 1 || one.is_transient || one.views.size() < kLeastViews) continue;
+      if (of_name[one.name] > 1 || one.is_transient || one.views.size() < kMinViews) continue;
       RandomStream random(seed, {kRecordedStream, i, static_cast<std::uint64_t>(one.id)});
       ROOMWISE_TRY(TrialThing thing, recorded_thing(one, *opened[i], random));
       if (thing.shown.empty() || thing.tests.empty()) continue;

@@ -19,7 +19,7 @@ using simulation::Scenario;
 constexpr std::uint64_t kRenderedStream = 0x0B3;
 constexpr int kPictureQuality = 92;
 constexpr float kSmallest_px = 24;
-constexpr double kLeastSeen = 0.6;  // of the thing, else it is no test
+constexpr double kMinSeen = 0.6;  // of the thing, else it is no test
 
 geometry::PinholeCamera phone_camera() {
   geometry::PinholeCamera camera;
@@ -138,7 +138,7 @@ class ThingPhotographer {
       const geometry::PinholeCamera coarse = simulation::coarse(phone_camera());
       ThreadPool alone(1);
       const auto rough = lit.renderer().render(coarse, world_from_camera, alone);
-      if (simulation::share_seen(points_, object_, rough, coarse, world_from_camera) < kLeastSeen) {
+      if (simulation::share_seen(points_, object_, rough, coarse, world_from_camera) < kMinSeen) {
         continue;
       }
       ROOMWISE_TRY(const LitHome::Taken taken,

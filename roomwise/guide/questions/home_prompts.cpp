@@ -166,12 +166,12 @@ Ahead look_ahead(const fusion::FloorGrid& floor, const Pose& pose) {
 
 const KnownThing* thing_at(const Eigen::Vector2d& place_gravity, const HomeMap& map) {
   const KnownThing* nearest = nullptr;
-  double least_m = kHand_m;
+  double min_m = kHand_m;
   for (const KnownThing& thing : map.things) {
     if (!thing.position_gravity) continue;
     const double distance_m = outline_of(thing).distance_m(place_gravity);
-    if (distance_m > least_m || (nearest != nullptr && distance_m == least_m)) continue;
-    least_m = distance_m;
+    if (distance_m > min_m || (nearest != nullptr && distance_m == min_m)) continue;
+    min_m = distance_m;
     nearest = &thing;
   }
   return nearest;

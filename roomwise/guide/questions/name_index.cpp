@@ -126,8 +126,8 @@ std::span<const std::string> NameIndex::without_determiners(
 
 Nouns NameIndex::nouns_of(std::vector<const Entry*> entries) const {
   if (entries.empty()) return {};
-  const auto most_exact = std::ranges::min(entries, {}, &Entry::way)->way;
-  std::erase_if(entries, [&](const Entry* entry) { return entry->way != most_exact; });
+  const auto best_way = std::ranges::min(entries, {}, &Entry::way)->way;
+  std::erase_if(entries, [&](const Entry* entry) { return entry->way != best_way; });
   // A thing before the room that is called so, too: it stands there.
   const auto is_thing = [](const Entry* entry) { return entry->noun.kind == Noun::Kind::kThing; };
   if (std::ranges::any_of(entries, is_thing)) {

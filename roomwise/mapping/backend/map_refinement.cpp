@@ -129,8 +129,10 @@ class Refiner {
 
   Expected<MapRefinement> run() {
     const bool is_whole = windows_.size() == 1;
-    most_of_window_ = static_cast<std::uint64_t>(options_.rounds * options_.bundle.max_iterations);
-    progress_.begin("adjusting landmarks", (is_whole ? 1 : 2) * windows_.size() * most_of_window_);
+    iterations_of_window_ =
+        static_cast<std::uint64_t>(options_.rounds * options_.bundle.max_iterations);
+    progress_.begin("adjusting landmarks",
+                    (is_whole ? 1 : 2) * windows_.size() * iterations_of_window_);
     BundleOptions bundle = options_.bundle;
     MapRefinement refinement;
     if (!is_whole) {
@@ -178,7 +180,7 @@ class Refiner {
     std::vector<AdjustedWindow> swept;
     for (const RefinementWindow& window : windows_) {
       ROOMWISE_TRY(swept.emplace_back(), adjust(window, options, floats));
-      done_ = ++windows_done_ * most_of_window_;
+      done_ = ++windows_done_ * iterations_of_window_;
     }
     return swept;
   }
@@ -438,7 +440,7 @@ class Refiner {
   bool knows_velocity_ = false;                      // of any key-frame of the last walk
   double readout_s_ = 0;                             // of the last walk
   std::uint64_t done_ = 0, windows_done_ = 0;
-  std::uint64_t most_of_window_ = 0;  // iterations
+  std::uint64_t iterations_of_window_ = 0;
 };
 
 }  // namespace

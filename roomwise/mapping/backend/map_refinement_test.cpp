@@ -51,7 +51,7 @@ struct Map {
     const std::vector<RefinedWalk> walks{{0, frames, camera}};
     const auto find = [&](std::span<const KeyframeId> ids) {
       std::vector<KeyframeFeatures> found;
-      most_at_once = std::max(most_at_once, ids.size());
+      max_at_once = std::max(max_at_once, ids.size());
       for (const KeyframeId id : ids)
         if (id < features.size()) found.push_back(features[id]);
       return Expected<std::vector<KeyframeFeatures>>(std::move(found));
@@ -86,7 +86,7 @@ struct Map {
   std::vector<TimestampNs> times;
   std::vector<Frame> frames;
   std::vector<bool> has_landmarks;
-  mutable std::size_t most_at_once = 0;  // key-frames whose features were asked for
+  mutable std::size_t max_at_once = 0;  // key-frames whose features were asked for
 };
 
 double farthest_apart_m(const std::vector<RigidTransform>& poses,
@@ -271,7 +271,7 @@ TEST(RefineMap, InWindowsALargeMapIsAsGoodAsAdjustedWhole) {
 TEST(RefineMap, InWindowsNoMoreFeaturesAreHeldThanTheBoundSays) {
   const Map map({.cameras = 40, .landmarks = 600, .noise_sigmas = 0.5}, 0.002);
   ASSERT_OK(map.refined(small_windows()));
-  EXPECT_LE(map.most_at_once, 10U);
+  EXPECT_LE(map.max_at_once, 10U);
 }
 
 TEST(RefineMap, InWindowsARollingShutterIsFoundByThemTogether) {

@@ -12,9 +12,9 @@ using geometry::RigidTransform;
 using geometry::Vector6d;
 
 // d's quaternion of PoseGraphEdge, with w >= 0.
-Eigen::Quaterniond remaining_turn(const RigidTransform& from_from_to,
-                                  const RigidTransform& world_from_from,
-                                  const RigidTransform& world_from_to) {
+Eigen::Quaterniond residual_rotation(const RigidTransform& from_from_to,
+                                     const RigidTransform& world_from_from,
+                                     const RigidTransform& world_from_to) {
   Eigen::Quaterniond turn = from_from_to.rotation.conjugate() *
                             (world_from_from.rotation.conjugate() * world_from_to.rotation);
   if (turn.w() < 0) turn.coeffs() *= -1;
@@ -35,7 +35,7 @@ Vector6d edge_error(const RigidTransform& from_from_to, const RigidTransform& wo
   Vector6d error;
   error.head<3>() =
       from_from_to.rotation.conjugate() * (estimated - from_from_to.translation).eval();
-  error.tail<3>() = remaining_turn(from_from_to, world_from_from, world_from_to).vec();
+  error.tail<3>() = residual_rotation(from_from_to, world_from_from, world_from_to).vec();
   return error;
 }
 
@@ -46,7 +46,7 @@ EdgeJacobians edge_jacobians(const RigidTransform& from_from_to,
   const Eigen::Matrix3d from_from_world = world_from_from.rotation.conjugate().toRotationMatrix();
   const Eigen::Vector3d estimated =
       from_from_world * (world_from_to.translation - world_from_from.translation);
-  const Eigen::Quaterniond turn = remaining_turn(from_from_to, world_from_from, world_from_to);
+  const Eigen::Quaterniond turn = residual_rotation(from_from_to, world_from_from, world_from_to);
   // Of a product of quaternions q (1, r / 2) the vector part changes by (w + v x) r / 2; of
   // (1, r / 2) q by (w - v x) r / 2.
   const Eigen::Matrix3d w = turn.w() * Eigen::Matrix3d::Identity();

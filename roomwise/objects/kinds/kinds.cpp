@@ -50,8 +50,8 @@ Expected<void> check_fields(const json& row) {
 }
 
 bool is_ordered(const SizeDistribution& size) {
-  return (size.least_m.array() > 0).all() && (size.least_m.array() < size.usual_m.array()).all() &&
-         (size.usual_m.array() < size.most_m.array()).all();
+  return (size.min_m.array() > 0).all() && (size.min_m.array() < size.usual_m.array()).all() &&
+         (size.usual_m.array() < size.max_m.array()).all();
 }
 
 StayTimes parse_stay_times(std::string_view text) {
@@ -89,8 +89,8 @@ double SizeDistribution::log_density(const Vector3d& size_m) const {
   double log_density = 0;
   for (int side = 0; side < 3; ++side) {
     // From the usual size to the least or the most are two standard deviations.
-    const double below = std::log(usual_m[side] / least_m[side]) / 2;
-    const double above = std::log(most_m[side] / usual_m[side]) / 2;
+    const double below = std::log(usual_m[side] / min_m[side]) / 2;
+    const double above = std::log(max_m[side] / usual_m[side]) / 2;
     const double off = std::log(size_m[side] / usual_m[side]);
     const double z = off / (off < 0 ? below : above);
     log_density -= z * z / 2 + std::log(std::sqrt(std::numbers::pi / 2) * (below + above));

@@ -26,7 +26,7 @@ void from_json(const nlohmann::json& json, SpokenName& name);
 // How large things of a kind are as a map shows them: longer and shorter level side and height, m.
 // One in forty lies below the least, one above the most.
 struct SizeDistribution {
-  Eigen::Vector3d least_m, usual_m, most_m;
+  Eigen::Vector3d min_m, usual_m, max_m;
 
   // The logarithm of how dense such sizes lie about this one, by the logarithms of the sides:
   // normal on each side of the usual one.

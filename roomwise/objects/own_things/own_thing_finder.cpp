@@ -67,7 +67,7 @@ std::optional<network::PixelBox> colored_window(const ColorTable& table, const P
   constexpr std::array kSides{0.08F, 0.13F, 0.2F, 0.32F, 0.5F};  // of the picture's width
   const float shape = static_cast<float>(view.width_px) / static_cast<float>(view.height_px);
   std::optional<network::PixelBox> best;
-  double most_alike = 0;
+  double max_similarity = 0;
   const auto picture_width = static_cast<float>(width_px);
   const auto picture_height = static_cast<float>(height_px);
   for (const float side : kSides) {
@@ -77,8 +77,8 @@ std::optional<network::PixelBox> colored_window(const ColorTable& table, const P
       for (float left = 0; left + width <= picture_width; left += width / 3) {
         const network::PixelBox box{left, top, left + width, top + height};
         const double alike = color_likeness(view.color, table.shares(box));
-        if (alike <= most_alike) continue;
-        most_alike = alike;
+        if (alike <= max_similarity) continue;
+        max_similarity = alike;
         best = box;
       }
     }
@@ -119,9 +119,9 @@ struct OwnThingFinder::Places {
 
   // Of what is large enough to be seen.
   void add(const network::PixelBox& box) {
-    constexpr float kLeastSide_px = 12;
+    constexpr float kMinSide_px = 12;
     const network::PixelBox cut = cut_to(box, picture.color_);
-    if (cut.right - cut.left < kLeastSide_px || cut.bottom - cut.top < kLeastSide_px) return;
+    if (cut.right - cut.left < kMinSide_px || cut.bottom - cut.top < kMinSide_px) return;
     const bool is_known = std::ranges::any_of(boxes, [&](const network::PixelBox& other) {
       return network::intersection_over_union(other, cut) > kSamePlace;
     });

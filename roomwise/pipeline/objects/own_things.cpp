@@ -15,28 +15,28 @@ namespace {
 constexpr const char* kOwnThingsData = "own_things";
 
 template <typename Value>
-std::vector<Value> some_of(const std::vector<Value>& all, std::size_t most) {
-  if (all.size() <= most) return all;
+std::vector<Value> some_of(const std::vector<Value>& all, std::size_t max_count) {
+  if (all.size() <= max_count) return all;
   std::vector<Value> some;
-  for (std::size_t i = 0; i < most; ++i) some.push_back(all[i * all.size() / most]);
+  for (std::size_t i = 0; i < max_count; ++i) some.push_back(all[i * all.size() / max_count]);
   return some;
 }
 
-// What is usual in a home.
-struct UsualInHome {
+// What is usual in the pictures of a home: learned from them by calibrate_own_things().
+struct OwnThingCalibration {
   objects::HomeBackground background;
   std::map<home::OwnThingId, double> thresholds;
 };
 
-Bytes to_bytes(const UsualInHome& usual) {
+Bytes to_bytes(const OwnThingCalibration& usual) {
   nlohmann::json json{{"mean", usual.background.mean}, {"thresholds", nlohmann::json::array()}};
   for (const auto& [id, threshold] : usual.thresholds)
     json["thresholds"].push_back({id, threshold});
   return nlohmann::json::to_cbor(json);
 }
 
-Expected<UsualInHome> from_bytes(const Bytes& bytes, const std::string& file) {
-  UsualInHome usual;
+Expected<OwnThingCalibration> from_bytes(const Bytes& bytes, const std::string& file) {
+  OwnThingCalibration usual;
   try {
     const auto json = nlohmann::json::from_cbor(bytes);
     json.at("mean").get_to(usual.background.mean);
@@ -89,14 +89,14 @@ Expected<const network::Classifier*> needed_network(const Networks& networks) {
 
 Expected<objects::HomeBackground> background_of_home(const home::Home& home,
                                                      std::span<const home::Keyframe> keyframes,
-                                                     const objects::OwnThingFinder& plain,
+                                                     const objects::OwnThingFinder& uncalibrated,
                                                      RunContext& run) {
   using Features = Expected<std::vector<std::vector<float>>>;
   std::vector<std::vector<float>> places;
   ROOMWISE_CHECK_OK(for_each_keyframe(
       home, keyframes, "looking at what is usual", run,
       [&](const home::Keyframe&, const DecodedImages& images) -> Features {
-        return plain.place_features(images.color);
+        return uncalibrated.place_features(images.color);
       },
       [&](const home::Keyframe&, Features features) -> Expected<void> {
         if (!features) return Unexpected(std::move(features).error());
@@ -123,7 +123,7 @@ bool is_news(const home::OwnThingSighting& one, const home::OwnThingSighting& kn
 }  // namespace
 
 // Puts together what is looked for.
-class OwnThingCalibration {
+class OwnThingWatchBuilder {
  public:
   static std::shared_ptr<const OwnThingWatch> watch(
       std::vector<home::OwnThing> things, std::unique_ptr<const objects::OwnThingFinder> finder,
@@ -171,10 +171,10 @@ Expected<void> calibrate_own_things(home::Home& home, const Networks& networks,
   }
   const std::vector<home::Keyframe> keyframes = some_of(all, kCalibrationPictures);
   const objects::OwnThingModel& model = objects::OwnThingModel::built_in();
-  UsualInHome usual;
+  OwnThingCalibration usual;
   {
-    const objects::OwnThingFinder plain(*network, detectors, {}, model);
-    ROOMWISE_TRY(usual.background, background_of_home(home, keyframes, plain, run));
+    const objects::OwnThingFinder uncalibrated(*network, detectors, {}, model);
+    ROOMWISE_TRY(usual.background, background_of_home(home, keyframes, uncalibrated, run));
   }
   const objects::OwnThingFinder finder(*network, detectors, usual.background, model);
   ROOMWISE_TRY(const auto prepared, prepare_all(home, things, finder));
@@ -209,7 +209,7 @@ Expected<std::shared_ptr<const OwnThingWatch>> watch_own_things(
   if (!kept || kept->made_from != made_from(keyframes, things, *network, detectors)) {
     return fail("{}: what is usual in its pictures is not known yet", home.file());
   }
-  ROOMWISE_TRY(const UsualInHome usual, from_bytes(kept->data, home.file()));
+  ROOMWISE_TRY(const OwnThingCalibration usual, from_bytes(kept->data, home.file()));
   auto finder = std::make_unique<const objects::OwnThingFinder>(
       *network, detectors, usual.background, objects::OwnThingModel::built_in());
   ROOMWISE_TRY(auto prepared, prepare_all(home, things, *finder));
@@ -222,8 +222,8 @@ Expected<std::shared_ptr<const OwnThingWatch>> watch_own_things(
     }
     thresholds.push_back(threshold->second);
   }
-  return OwnThingCalibration::watch(std::move(things), std::move(finder), std::move(prepared),
-                                    std::move(thresholds));
+  return OwnThingWatchBuilder::watch(std::move(things), std::move(finder), std::move(prepared),
+                                     std::move(thresholds));
 }
 
 Expected<void> check_own_thing_name(const home::Home& home, const std::string& name) {
@@ -247,9 +247,9 @@ Expected<home::OwnThingId> teach_own_thing(home::Home& home, home::OwnThing thin
                                            std::span<const objects::ShownThing> shown,
                                            const Networks& networks) {
   ROOMWISE_CHECK_OK(check_own_thing_name(home, thing.name));
-  if (shown.size() < kLeastShown) {
+  if (shown.size() < kMinPicturesShown) {
     return fail("{} pictures show it well enough; {} are needed: show it from all sides",
-                shown.size(), kLeastShown);
+                shown.size(), kMinPicturesShown);
   }
   ROOMWISE_TRY(const network::Classifier* const network, needed_network(networks));
   const objects::DetectionFinders none;

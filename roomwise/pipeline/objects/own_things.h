@@ -30,7 +30,7 @@ class OwnThingWatch {
   [[nodiscard]] const std::vector<home::OwnThing>& things() const { return things_; }
 
  private:
-  friend class OwnThingCalibration;
+  friend class OwnThingWatchBuilder;
   OwnThingWatch() = default;
   std::vector<home::OwnThing> things_;
   std::unique_ptr<const objects::OwnThingFinder> finder_;
@@ -61,8 +61,8 @@ constexpr std::size_t kCalibrationPictures = 100;
 
 // By six views at most, chosen of what was shown. `thing`: its name, owner, whether it is shared,
 // and when. Fails as check_own_thing_name() and home::Home::add_own_thing() do, and where fewer
-// than kLeastShown pictures showed it.
-constexpr std::size_t kLeastShown = 3;
+// than kMinPicturesShown pictures showed it.
+constexpr std::size_t kMinPicturesShown = 3;
 constexpr std::size_t kViewsOfAThing = 6;
 [[nodiscard]] Expected<home::OwnThingId> teach_own_thing(home::Home& home, home::OwnThing thing,
                                                          std::span<const objects::ShownThing> shown,

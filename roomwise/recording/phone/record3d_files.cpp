@@ -125,10 +125,10 @@ class Record3dExrFolder final : public Record3dFiles {
   }
   [[nodiscard]] Expected<image::Image<float>> read_depth_m(std::size_t frame, int width,
                                                            int height) const override {
-    constexpr std::size_t kMostBytesOfPixel = 64;
+    constexpr std::size_t kMaxBytesOfPixel = 64;
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     ROOMWISE_TRY(const Bytes bytes,
-                 read_at_most(depth(frame), kMostBytesOfPixel * pixels + (1 << 20)));
+                 read_at_most(depth(frame), kMaxBytesOfPixel * pixels + (1 << 20)));
     auto depth_m = decode_exr(bytes, static_cast<std::int64_t>(pixels));
     if (!depth_m) return Unexpected(std::move(depth_m).error().in(depth(frame).string()));
     if (depth_m->width() == width && depth_m->height() == height) return depth_m;

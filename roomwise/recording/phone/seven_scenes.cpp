@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint16_t kNoDepth = 65535;
 constexpr TimestampNs kFrame_ns = 33'333'333;
-constexpr std::uint64_t kMostFrames = 1'000'000'000;
+constexpr std::uint64_t kMaxFrames = 1'000'000'000;
 
 geometry::PinholeCamera kinect(double focal_px) {
   return {focal_px, focal_px, 320, 240, 640, 480, {}, 1000};
@@ -51,7 +51,7 @@ Expected<std::unique_ptr<Recording>> open_seven_scenes_folder(const fs::path& fo
   listing.no_depth = kNoDepth;
   listing.depth_camera = kinect(585);
   for (const auto& [number, color] : colors) {
-    if (number > kMostFrames) return fail("{}: its number is too large", color.string());
+    if (number > kMaxFrames) return fail("{}: its number is too large", color.string());
     const auto timestamp_ns = static_cast<TimestampNs>(number) * kFrame_ns;
     listing.pictures.push_back(
         {number, timestamp_ns, color, file_or_none(depths, number), kinect(525)});

@@ -8,11 +8,11 @@
 namespace roomwise::rooms {
 namespace {
 
-constexpr float kLeastSimilar = -1;
+constexpr float kMinSimilar = -1;
 
 // The mean of the largest `most` values.
 double mean_of_largest(std::vector<float> values, int most) {
-  if (values.empty()) return kLeastSimilar;
+  if (values.empty()) return kMinSimilar;
   const auto count = std::min(values.size(), static_cast<std::size_t>(most));
   const auto end = values.begin() + static_cast<std::ptrdiff_t>(count);
   std::ranges::partial_sort(values, end, std::greater());
@@ -69,8 +69,8 @@ Similarity RoomGallery::compare(const Eigen::VectorXf& root_features) const {
   const Eigen::VectorXf whitened = whitened_ * space_.whitened(projection).transpose();
   const Eigen::VectorXf plain = space_.plain_cosine(root_features, projections_);
   // Of each picture, that of its most similar variant.
-  std::vector<float> whitened_of(room_of_picture_.size(), kLeastSimilar);
-  std::vector<float> plain_of(room_of_picture_.size(), kLeastSimilar);
+  std::vector<float> whitened_of(room_of_picture_.size(), kMinSimilar);
+  std::vector<float> plain_of(room_of_picture_.size(), kMinSimilar);
   for (std::size_t i = 0; i < picture_.size(); ++i) {
     const auto picture = static_cast<std::size_t>(picture_[i]);
     const auto row = static_cast<Eigen::Index>(i);

@@ -11,13 +11,13 @@
 namespace roomwise {
 
 // Closes the descriptor when it goes out of scope.
-struct Descriptor {
+struct FileDescriptor {
   int value = -1;
 
-  explicit Descriptor(int opened) : value(opened) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
+  explicit FileDescriptor(int opened) : value(opened) {}
+  FileDescriptor(const FileDescriptor&) = delete;
+  FileDescriptor& operator=(const FileDescriptor&) = delete;
+  ~FileDescriptor() {
     if (value >= 0) ::close(value);
   }
 };
