@@ -4,6 +4,7 @@
 #include "commands.h"
 #include "open_home.h"
 #include "pose_json.h"
+#include "roomwise/base/in_context.h"
 #include "roomwise/fusion/floor_map_file.h"
 #include "roomwise/fusion/mesh_files.h"
 #include "roomwise/fusion/octomap_file.h"
@@ -130,12 +131,12 @@ Expected<Answer> export_floor(const ExportOptions& options, Context& context) {
   ROOMWISE_CHECK_OK(pipeline::validate_cell(options.cell_m, options.voxel_size_m));
   CommandRun run(context);
   ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, run));
-  auto grids = pipeline::floor_grids_of(map, floor, run);
-  if (!grids) return Unexpected(std::move(grids).error().in(options.home.string()));
+  ROOMWISE_TRY(const auto grids,
+               in_context(options.home.string(), pipeline::floor_grids_of(map, floor, run)));
   std::string text;
   Json storeys = Json::array();
-  for (std::size_t i = 0; i < grids->size(); ++i) {
-    const fusion::FloorGrid& grid = (*grids)[i];
+  for (std::size_t i = 0; i < grids.size(); ++i) {
+    const fusion::FloorGrid& grid = grids[i];
     const fs::path output = map_of_storey(options.output, i);
     ROOMWISE_CHECK_OK(fusion::write_floor_map(output, grid));
     const fs::path picture = fusion::floor_map_picture(output);
@@ -151,7 +152,7 @@ Expected<Answer> export_floor(const ExportOptions& options, Context& context) {
                        {"picture", picture.string()}});
   }
   Answer answer{std::move(text), storeys.front()};
-  if (grids->size() > 1) {
+  if (grids.size() > 1) {
     for (std::size_t i = 0; i < storeys.size(); ++i) {
       storeys[i]["floor_m"] = map.frame.storeys.floor_m(i);
     }

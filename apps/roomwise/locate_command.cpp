@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "open_home.h"
 #include "pose_json.h"
+#include "roomwise/base/in_context.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/mapping/localization/lens_calibration.h"
 #include "roomwise/pipeline/mapping/home_localizer.h"
@@ -162,9 +163,9 @@ Expected<mapping::Localization> locate_calibrated(
     const pipeline::HomeLocalizer& localizing) {
   std::vector<motion::FrameMeasurements> measured;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
-    auto one = localizing.measure(pictures[i]);
-    if (!one) return Unexpected(std::move(one).error().in(options.pictures[i].string()));
-    measured.push_back(*std::move(one));
+    ROOMWISE_TRY(auto one,
+                 in_context(options.pictures[i].string(), localizing.measure(pictures[i])));
+    measured.push_back(std::move(one));
   }
   const mapping::Localizer& where = localizing.localizer();
   const geometry::PinholeCamera& camera = pictures.front().camera;

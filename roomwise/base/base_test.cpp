@@ -4,17 +4,22 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cstdlib>
 #include <fstream>
 #include <numeric>
 
 #include "roomwise/base/calendar_time.h"
 #include "roomwise/base/disjoint_sets.h"
+#include "roomwise/base/encodings.h"
 #include "roomwise/base/file.h"
+#include "roomwise/base/in_context.h"
 #include "roomwise/base/progress.h"
+#include "roomwise/base/protobuf_reader.h"
 #include "roomwise/base/random.h"
 #include "roomwise/base/scratch_file.h"
 #include "roomwise/base/simd.h"
+#include "roomwise/base/spread.h"
 #include "roomwise/base/stage_clock.h"
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/base/thread_pool.h"
@@ -55,6 +60,48 @@ TEST(DisjointSets, AreKnownByTheirLowestElement) {
   for (const std::size_t element : {1, 3, 5}) EXPECT_EQ(sets.find(element), 1U);
   for (const std::size_t element : {2, 4}) EXPECT_EQ(sets.find(element), 2U);
   EXPECT_EQ(sets.find(0), 0U);
+}
+
+TEST(ProtobufReader, RefusesNumbersWithoutEnd) {
+  for (const Bytes& damaged : {Bytes(12, 0xFF), Bytes{0x0A, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F}}) {
+    ProtobufReader reader(damaged);
+    EXPECT_FALSE(reader.next().has_value());
+    EXPECT_FALSE(reader.ok());
+  }
+}
+
+TEST(ProtobufReader, GivesNumbersFloatsAndPackedNumbers) {
+  // 1: 300; 2: 1.5 as a float; 3: 1 and 300, packed.
+  const Bytes message{0x08, 0xAC, 0x02, 0x15, 0, 0, 0xC0, 0x3F, 0x1A, 0x03, 0x01, 0xAC, 0x02};
+  ProtobufReader reader(message);
+  EXPECT_EQ(reader.next()->as_integer(), 300);
+  EXPECT_EQ(std::bit_cast<float>(reader.next()->as_count()), 1.5F);
+  const auto field = reader.next();
+  EXPECT_TRUE(field->holds_bytes);
+  ProtobufReader packed(field->bytes);
+  EXPECT_EQ(packed.varint(), 1U);
+  EXPECT_EQ(packed.varint(), 300U);
+  EXPECT_TRUE(packed.ok() && packed.at_end() && !reader.next().has_value() && reader.ok());
+}
+
+TEST(Encodings, AreThoseOfRfc4648) {
+  const Bytes bytes{0xFB, 0xEF, 0xFF, 0x00};
+  EXPECT_EQ(base64(bytes), "++//AA==");
+  EXPECT_EQ(base64url(bytes), "--__AA");
+  EXPECT_EQ(hexadecimal(bytes), "fbefff00");
+}
+
+TEST(SpreadEvenly, TakesAllOfFewAndSomeOfManyFromTheFirstOn) {
+  EXPECT_THAT(spread_evenly(3, 5), ::testing::ElementsAre(0, 1, 2));
+  EXPECT_THAT(spread_evenly(10, 4), ::testing::ElementsAre(0, 2, 5, 7));
+  EXPECT_THAT(spread_evenly(10, 0), ::testing::IsEmpty());
+  EXPECT_THAT(spread_evenly(std::vector{'a', 'b', 'c', 'd'}, 2), ::testing::ElementsAre('a', 'c'));
+}
+
+TEST(InContext, NamesWhereAnErrorWasSeenAndPassesValuesOn) {
+  EXPECT_EQ(in_context("a.png", Expected<int>(3)), 3);
+  const Expected<int> failed = in_context("a.png", Expected<int>(fail("is empty")));
+  EXPECT_EQ(failed.error().message, "a.png: is empty");
 }
 
 TEST(ScratchFile, GivesBackWhatWasAppendedAndLeavesNothing) {

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "roomwise/base/encodings.h"
 #include "roomwise/base/file_descriptor.h"
 
 namespace roomwise {
@@ -127,9 +128,7 @@ std::string sha256_hex(std::span<const std::uint8_t> bytes) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int length = 0;
   EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr);
-  std::string hex;
-  for (unsigned int i = 0; i < length; ++i) hex += fmt::format("{:02x}", digest[i]);
-  return hex;
+  return hexadecimal(std::span(digest).first(length));
 }
 
 }  // namespace roomwise

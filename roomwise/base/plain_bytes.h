@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
@@ -27,6 +29,11 @@ class PlainWriter {
   template <typename T>
   void put(const T& value) {
     put(&value, 1);
+  }
+  // With its length in front.
+  void put_text(std::string_view text) {
+    put(static_cast<std::uint32_t>(text.size()));
+    put(text.data(), text.size());
   }
   [[nodiscard]] Bytes take() { return std::move(bytes_); }
 
@@ -55,6 +62,14 @@ class PlainReader {
     get(&value, 1);
     return value;
   }
+  [[nodiscard]] std::string get_text(std::size_t size) {
+    is_short_ = is_short_ || size > rest_.size();
+    std::string text(is_short_ ? 0 : size, '\0');
+    get(text.data(), text.size());
+    return text;
+  }
+  // What put_text() wrote.
+  [[nodiscard]] std::string get_text() { return get_text(get<std::uint32_t>()); }
   // A number of things of which each takes so many bytes; 0 where there cannot be as many.
   [[nodiscard]] std::size_t get_count(std::size_t bytes_each) {
     const auto count = get<std::uint64_t>();
@@ -70,6 +85,8 @@ class PlainReader {
     is_short_ = true;
     return 0;
   }
+  [[nodiscard]] bool is_short() const { return is_short_; }
+  [[nodiscard]] std::size_t left() const { return rest_.size(); }
   [[nodiscard]] bool is_whole() const { return !is_short_ && rest_.empty(); }
 
  private:

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "roomwise/base/encodings.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/file_descriptor.h"
 
@@ -58,7 +59,7 @@ Expected<FetchedFile> measure(const fs::path& path) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int length = 0;
   EVP_DigestFinal_ex(context.get(), digest.data(), &length);
-  for (unsigned int i = 0; i < length; ++i) found.sha256 += fmt::format("{:02x}", digest[i]);
+  found.sha256 = hexadecimal(std::span(digest).first(length));
   return found;
 }
 

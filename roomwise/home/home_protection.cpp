@@ -1,5 +1,6 @@
 // The part of Home that protects its pictures by a passphrase.
 
+#include "roomwise/base/in_context.h"
 #include "roomwise/home/home.h"
 #include "roomwise/home/schema.h"
 #include "roomwise/home/stored_values.h"
@@ -46,19 +47,18 @@ Expected<Home> Home::with_protection_state(Home home, const OpenOptions& options
         "roomwise protect {0}, or give no passphrase",
         home.file());
   }
-  auto unwrapped = unwrap_cipher(*wrapped, *options.passphrase);
-  if (!unwrapped) return Unexpected(std::move(unwrapped).error().in(home.file()));
-  home.cipher_ = std::move(unwrapped->cipher);
-  home.protection_ = unwrapped->state;
+  ROOMWISE_TRY(auto unwrapped,
+               in_context(home.file(), unwrap_cipher(*wrapped, *options.passphrase)));
+  home.cipher_ = std::move(unwrapped.cipher);
+  home.protection_ = unwrapped.state;
   return home;
 }
 
 Expected<void> Home::begin_protection(const Passphrase& passphrase, ProtectionState state,
                                       const PassphraseCost& cost) {
   PictureCipher cipher = cipher_ ? *cipher_ : PictureCipher::create();
-  auto wrapped = cipher.wrap(passphrase, state, cost);
-  if (!wrapped) return Unexpected(std::move(wrapped).error().in(file()));
-  ROOMWISE_CHECK_OK(database_.put("settings (key, value)", kProtectionSetting, *wrapped));
+  ROOMWISE_TRY(const auto wrapped, in_context(file(), cipher.wrap(passphrase, state, cost)));
+  ROOMWISE_CHECK_OK(database_.put("settings (key, value)", kProtectionSetting, wrapped));
   protected_ = true;
   cipher_ = std::move(cipher);
   protection_ = state;
@@ -146,9 +146,7 @@ Expected<Bytes> Home::decrypt_if_sealed(KeyframeId keyframe, PictureKind kind, B
   if (is_locked() || (!cipher_ && is_sealed(stored))) return Unexpected(locked_error());
   if (!cipher_) return stored;
   if (!is_sealed(stored) && protection_ != ProtectionState::kSealed) return stored;
-  auto picture = cipher_->open(keyframe, kind, stored);
-  if (!picture) return Unexpected(std::move(picture).error().in(file()));
-  return picture;
+  return in_context(file(), cipher_->open(keyframe, kind, stored));
 }
 
 }  // namespace roomwise::home

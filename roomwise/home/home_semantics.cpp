@@ -1,5 +1,6 @@
 // The part of Home that stores what key-frames and rooms mean: networks, objects, concepts, rooms.
 
+#include "roomwise/base/in_context.h"
 #include "roomwise/home/home.h"
 #include "roomwise/home/stored_values.h"
 
@@ -254,9 +255,7 @@ Expected<recording::RoomLabels> Home::room_ranges(RecordingId id) const {
                                                  row.column<std::string>(2), row.column<int>(3)};
                    },
                    id));
-  auto labels = recording::RoomLabels::from_ranges(std::move(ranges));
-  if (!labels) return Unexpected(std::move(labels).error().in(file()));
-  return labels;
+  return in_context(file(), recording::RoomLabels::from_ranges(std::move(ranges)));
 }
 
 Expected<void> Home::put_room_classifier(const RoomClassifierRecord& classifier) {

@@ -9,6 +9,8 @@
 #include <cstring>
 #include <new>
 
+#include "roomwise/base/in_context.h"
+
 namespace roomwise::home {
 
 SecretBytes::SecretBytes(std::size_t size) : size_(size) {
@@ -53,9 +55,7 @@ Expected<Passphrase> Passphrase::read(const std::filesystem::path& file) {
   std::string_view text(reinterpret_cast<const char*>(content.data()), size);
   if (text.ends_with('\n')) text.remove_suffix(1);
   if (text.ends_with('\r')) text.remove_suffix(1);
-  auto passphrase = from(text);
-  if (!passphrase) return Unexpected(std::move(passphrase).error().in(file.string()));
-  return passphrase;
+  return in_context(file.string(), from(text));
 }
 
 bool Passphrase::operator==(const Passphrase& other) const {

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "roomwise/base/encodings.h"
+
 namespace roomwise::home {
 namespace {
 
@@ -80,10 +82,6 @@ Expected<SecretBytes> key_from(const Passphrase& passphrase, const Wrapping& wra
                 wrapping.cost.memory_bytes >> 20U);
   }
   return key;
-}
-
-std::string to_hex(std::span<const std::uint8_t> bytes) {
-  return fmt::format("{:02x}", fmt::join(bytes, ""));
 }
 
 std::optional<Bytes> from_hex(const std::string& text, std::size_t size) {
@@ -163,8 +161,8 @@ Expected<std::string> PictureCipher::wrap(const Passphrase& passphrase, Protecti
                         {"state", wrapping.state},
                         {"passes", cost.passes},
                         {"memory_bytes", cost.memory_bytes},
-                        {"salt", to_hex(wrapping.salt)},
-                        {"key", to_hex(wrapped)}}
+                        {"salt", hexadecimal(wrapping.salt)},
+                        {"key", hexadecimal(wrapped)}}
       .dump();
 }
 

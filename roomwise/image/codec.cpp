@@ -1,5 +1,6 @@
 #include "roomwise/image/codec.h"
 
+#include "roomwise/base/in_context.h"
 #include "roomwise/image/decoders.h"
 
 namespace roomwise::image {
@@ -8,9 +9,7 @@ namespace {
 template <typename Decode>
 auto read_decoded(const std::filesystem::path& path, Decode decode) -> decltype(decode(Bytes())) {
   ROOMWISE_TRY(const Bytes bytes, read_file(path));
-  auto image = decode(bytes);
-  if (!image) return Unexpected(std::move(image).error().in(path.string()));
-  return image;
+  return in_context(path.string(), decode(bytes));
 }
 
 }  // namespace

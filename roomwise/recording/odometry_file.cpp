@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "roomwise/base/file.h"
+#include "roomwise/base/in_context.h"
 #include "roomwise/recording/data_lines.h"
 
 namespace roomwise::recording {
@@ -39,11 +40,8 @@ Expected<Odometry> read_odometry(const std::filesystem::path& path) {
   for (int number = 1; std::getline(lines, line); ++number) {
     if (!line.starts_with(kUpMark)) continue;
     if (line.ends_with('\r')) line.pop_back();
-    auto up = parse_up(std::string_view(line).substr(kUpMark.size()));
-    if (!up) {
-      return Unexpected(std::move(up).error().in(fmt::format("{}:{}", path.string(), number)));
-    }
-    odometry.up = *up;
+    ROOMWISE_TRY(odometry.up, in_context(fmt::format("{}:{}", path.string(), number),
+                                         parse_up(std::string_view(line).substr(kUpMark.size()))));
   }
   return odometry;
 }

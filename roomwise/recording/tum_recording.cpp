@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "roomwise/base/in_context.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/recording/camera_file.h"
 #include "roomwise/recording/data_lines.h"
@@ -116,11 +117,7 @@ Expected<Bytes> ImageList::read(std::size_t entry) const {
 
 Expected<image::ColorImage> ImageList::read_color(std::size_t entry) const {
   ROOMWISE_TRY(const Bytes bytes, read(entry));
-  auto picture = image::decode_color(bytes);
-  if (!picture) {
-    return Unexpected(std::move(picture).error().in(describe(entry)));
-  }
-  return picture;
+  return in_context(describe(entry), image::decode_color(bytes));
 }
 
 std::string ImageList::describe(std::size_t entry) const {
@@ -193,22 +190,22 @@ Expected<image::RgbdFrame> TumRecording::read_frame(const RecordedPicture& pictu
   ROOMWISE_TRY(frame.encoded_color, colors_.read(color_entry));
   ROOMWISE_TRY(frame.encoded_depth, depths_.read(depth_entry));
 
-  auto color = image::decode_color(frame.encoded_color);
-  if (!color) return Unexpected(std::move(color).error().in(colors_.describe(color_entry)));
-  auto depth = image::decode_depth(frame.encoded_depth);
-  if (!depth) return Unexpected(std::move(depth).error().in(depths_.describe(depth_entry)));
-  if (color->width() != info().camera.width || color->height() != info().camera.height) {
+  ROOMWISE_TRY(auto color,
+               in_context(colors_.describe(color_entry), image::decode_color(frame.encoded_color)));
+  ROOMWISE_TRY(auto depth,
+               in_context(depths_.describe(depth_entry), image::decode_depth(frame.encoded_depth)));
+  if (color.width() != info().camera.width || color.height() != info().camera.height) {
     return fail("{}: has {}x{} pixels, the camera {}x{}; give the camera that took it",
-                colors_.describe(color_entry), color->width(), color->height(), info().camera.width,
+                colors_.describe(color_entry), color.width(), color.height(), info().camera.width,
                 info().camera.height);
   }
-  if (depth->width() != color->width() || depth->height() != color->height()) {
+  if (depth.width() != color.width() || depth.height() != color.height()) {
     return fail("{}: has {}x{} pixels, its colour image {}x{}; depth must be registered to colour",
-                depths_.describe(depth_entry), depth->width(), depth->height(), color->width(),
-                color->height());
+                depths_.describe(depth_entry), depth.width(), depth.height(), color.width(),
+                color.height());
   }
-  frame.color = *std::move(color);
-  frame.depth = *std::move(depth);
+  frame.color = std::move(color);
+  frame.depth = std::move(depth);
   return frame;
 }
 

@@ -4,13 +4,38 @@
 #include <cstring>
 #include <functional>
 
+#include "roomwise/base/protobuf_reader.h"
 #include "roomwise/network/formats/number_formats.h"
-#include "roomwise/network/formats/protobuf_fields.h"
 
 namespace roomwise::network {
 namespace {
 
 using Span = std::span<const std::uint8_t>;
+using Field = ProtobufReader::Field;
+
+Unexpected damaged() {
+  return fail("is no ONNX network, or a truncated one");
+}
+
+// The fields of a message in its order; never takes memory beyond what it holds.
+Expected<std::vector<Field>> fields_of(Span message) {
+  ProtobufReader reader(message);
+  std::vector<Field> fields;
+  while (const auto field = reader.next()) fields.push_back(*field);
+  if (!reader.ok()) return damaged();
+  return fields;
+}
+
+// A repeated number: packed into bytes, or one of several fields.
+Expected<std::vector<std::int64_t>> repeated_integers(const Field& field) {
+  if (!field.holds_bytes) return std::vector{field.as_integer()};
+  std::vector<std::int64_t> integers;
+  ProtobufReader packed(field.bytes);
+  while (packed.ok() && !packed.at_end())
+    integers.push_back(static_cast<std::int64_t>(packed.varint()));
+  if (!packed.ok()) return damaged();
+  return integers;
+}
 
 template <typename Number>
 std::vector<Number> numbers_of(Span bytes) {
@@ -28,13 +53,13 @@ struct TensorFields {
 
 Expected<TensorFields> read_tensor_fields(Span message, Constant& constant) {
   TensorFields tensor;
-  ROOMWISE_TRY(const auto fields, protobuf_fields(message));
-  for (const ProtobufField& field : fields) {
+  ROOMWISE_TRY(const auto fields, fields_of(message));
+  for (const Field& field : fields) {
     switch (field.number) {
       case 1:
       case 5:
       case 7: {  // dims, int32_data, int64_data
-        ROOMWISE_TRY(const auto integers, protobuf_integers(field));
+        ROOMWISE_TRY(const auto integers, repeated_integers(field));
         auto& list = field.number == 1 ? constant.shape : constant.integers;
         list.insert(list.end(), integers.begin(), integers.end());
         break;
@@ -94,8 +119,8 @@ Expected<std::pair<std::string, Attribute>> read_attribute(Span message) {
   using Kind = Attribute::Kind;
   std::string name;
   Attribute attribute;
-  ROOMWISE_TRY(const auto fields, protobuf_fields(message));
-  for (const ProtobufField& field : fields) {
+  ROOMWISE_TRY(const auto fields, fields_of(message));
+  for (const Field& field : fields) {
     switch (field.number) {
       case 1:
         name = field.text();
@@ -111,7 +136,7 @@ Expected<std::pair<std::string, Attribute>> read_attribute(Span message) {
       }
       case 3:
         attribute.kind = Kind::kInteger;
-        attribute.integer = field.integer();
+        attribute.integer = field.as_integer();
         break;
       case 4:
         attribute.kind = Kind::kText;
@@ -124,7 +149,7 @@ Expected<std::pair<std::string, Attribute>> read_attribute(Span message) {
         break;
       }
       case 8: {
-        ROOMWISE_TRY(const auto integers, protobuf_integers(field));
+        ROOMWISE_TRY(const auto integers, repeated_integers(field));
         attribute.kind = Kind::kIntegers;
         attribute.integers.insert(attribute.integers.end(), integers.begin(), integers.end());
         break;
@@ -145,10 +170,10 @@ Expected<std::pair<std::string, Attribute>> read_attribute(Span message) {
 
 Expected<Node> read_node(Span message) {
   Node node;
-  ROOMWISE_TRY(const auto fields, protobuf_fields(message));
-  for (const ProtobufField& field : fields) {
-    if (field.number == 1) node.inputs.push_back(field.text());
-    if (field.number == 2) node.outputs.push_back(field.text());
+  ROOMWISE_TRY(const auto fields, fields_of(message));
+  for (const Field& field : fields) {
+    if (field.number == 1) node.inputs.emplace_back(field.text());
+    if (field.number == 2) node.outputs.emplace_back(field.text());
     if (field.number == 3) node.name = field.text();
     if (field.number == 4) node.operation = field.text();
     if (field.number == 7) node.domain = field.text();
@@ -163,8 +188,8 @@ Expected<Node> read_node(Span message) {
 Expected<void> visit_inner(Span message, std::span<const std::uint64_t> path,
                            const std::function<Expected<void>(Span)>& visit) {
   if (path.empty()) return visit(message);
-  ROOMWISE_TRY(const auto fields, protobuf_fields(message));
-  for (const ProtobufField& field : fields) {
+  ROOMWISE_TRY(const auto fields, fields_of(message));
+  for (const Field& field : fields) {
     if (field.number != path.front()) continue;
     ROOMWISE_CHECK_OK(visit_inner(field.bytes, path.subspan(1), visit));
   }
@@ -175,16 +200,16 @@ Expected<GraphInput> read_value_info(Span message) {
   // ValueInfoProto.type.tensor_type.shape.dim
   constexpr std::uint64_t kDimension[] = {2, 1, 2, 1};
   GraphInput input;
-  ROOMWISE_TRY(const auto fields, protobuf_fields(message));
-  for (const ProtobufField& field : fields) {
+  ROOMWISE_TRY(const auto fields, fields_of(message));
+  for (const Field& field : fields) {
     if (field.number == 1) input.name = field.text();
   }
   ROOMWISE_CHECK_OK(visit_inner(message, kDimension, [&](Span dimension) -> Expected<void> {
-    ROOMWISE_TRY(const auto sizes, protobuf_fields(dimension));
+    ROOMWISE_TRY(const auto sizes, fields_of(dimension));
     input.shape.push_back(GraphInput::kDynamic);
-    for (const ProtobufField& size : sizes) {
+    for (const Field& size : sizes) {
       // 1: dim_value; another field names a free one.
-      if (size.number == 1 && size.integer() > 0) input.shape.back() = size.integer();
+      if (size.number == 1 && size.as_integer() > 0) input.shape.back() = size.as_integer();
     }
     return {};
   }));
@@ -192,9 +217,9 @@ Expected<GraphInput> read_value_info(Span message) {
 }
 
 Expected<void> read_graph(Span message, OnnxGraph& graph) {
-  ROOMWISE_TRY(const auto fields, protobuf_fields(message));
+  ROOMWISE_TRY(const auto fields, fields_of(message));
   std::vector<GraphInput> inputs;
-  for (const ProtobufField& field : fields) {
+  for (const Field& field : fields) {
     switch (field.number) {
       case 1: {
         ROOMWISE_TRY(Node node, read_node(field.bytes));
@@ -232,22 +257,22 @@ Expected<void> read_graph(Span message, OnnxGraph& graph) {
 
 Expected<OnnxGraph> read_onnx_graph(Span onnx) {
   OnnxGraph graph;
-  ROOMWISE_TRY(const auto model, protobuf_fields(onnx));
-  for (const ProtobufField& field : model) {
+  ROOMWISE_TRY(const auto model, fields_of(onnx));
+  for (const Field& field : model) {
     if (field.number == 7) ROOMWISE_CHECK_OK(read_graph(field.bytes, graph));
     if (field.number != 8) continue;
     // opset_import: 1 names the domain, 2 the version.
-    ROOMWISE_TRY(const auto fields, protobuf_fields(field.bytes));
+    ROOMWISE_TRY(const auto fields, fields_of(field.bytes));
     std::string domain;
     std::int64_t version = 0;
-    for (const ProtobufField& part : fields) {
+    for (const Field& part : fields) {
       if (part.number == 1) domain = part.text();
-      if (part.number == 2) version = part.integer();
+      if (part.number == 2) version = part.as_integer();
     }
     if (domain.empty() || domain == "ai.onnx") graph.opset = version;
   }
   if (graph.inputs.empty() || graph.outputs.empty() || graph.opset <= 0) {
-    return fail("is no ONNX network, or a truncated one");
+    return damaged();
   }
   return graph;
 }

@@ -7,7 +7,7 @@
 
 namespace roomwise::network {
 
-// A protobuf message as it is written down, field by field (the counterpart of protobuf_fields()).
+// A protobuf message as it is written down, field by field (the counterpart of ProtobufReader).
 class ProtobufWriter {
  public:
   void add(std::uint64_t number, std::int64_t value);

@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include "roomwise/network/formats/protobuf_fields.h"
 #include "roomwise/network/testing/tiny_runs.h"
 
 namespace roomwise::network {
@@ -153,11 +152,6 @@ TEST(OnnxGraph, RefusesToGrowWithoutEnd) {
     graph.nodes.push_back(layer("Concat", {from, from}, {to}, {attribute("axis", 0)}));
   }
   EXPECT_ERROR(load(onnx(graph)), "more constants than any network needs");
-}
-
-TEST(Protobuf, RefusesNumbersWithoutEnd) {
-  EXPECT_FALSE(protobuf_fields(bytes_of(std::string(12, '\xff'))).has_value());
-  EXPECT_FALSE(protobuf_fields(bytes_of("\x0a\xff\xff\xff\xff\x0f")).has_value());
 }
 
 }  // namespace

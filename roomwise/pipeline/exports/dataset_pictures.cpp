@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "roomwise/base/in_context.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/mapping/cloud/frame_cloud.h"
 #include "roomwise/pipeline/exports/shared_picture.h"
@@ -109,16 +110,14 @@ Expected<void> write_dataset_pictures(const home::Home& home, const DatasetFolde
       [&](std::size_t i, const home::KeyframeImages& stored) -> Expected<ViewFiles> {
         const DatasetView& view = dataset.views[i];
         const geometry::PinholeCamera& camera = dataset.walks[view.walk].camera;
-        auto images = decode(stored, camera);
-        if (!images) {
-          return Unexpected(std::move(images).error().in(
-              fmt::format("{}: key-frame {}", home.file(), view.keyframe.id)));
-        }
+        ROOMWISE_TRY(const auto images,
+                     in_context(fmt::format("{}: key-frame {}", home.file(), view.keyframe.id),
+                                decode(stored, camera)));
         ROOMWISE_TRY(Bytes picture, picture_to_share(stored.color));
         return ViewFiles{
             std::move(picture),
-            folders.depths.empty() ? Bytes() : depth_file_of(stored.depth, images->depth, camera),
-            points_of(view, *images, camera)};
+            folders.depths.empty() ? Bytes() : depth_file_of(stored.depth, images.depth, camera),
+            points_of(view, images, camera)};
       },
       [&](std::size_t i, ViewFiles files) -> Expected<void> {
         DatasetView& view = dataset.views[i];

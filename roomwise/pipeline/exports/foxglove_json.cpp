@@ -1,9 +1,8 @@
 #include "roomwise/pipeline/exports/foxglove_json.h"
 
-#include <openssl/evp.h>
-
 #include <cstring>
 
+#include "roomwise/base/encodings.h"
 #include "roomwise/base/file.h"
 #include "roomwise/image/codec.h"
 
@@ -64,14 +63,6 @@ ordered_json pose_json(const geometry::RigidTransform& pose) {
 }
 ordered_json color_json(double r, double g, double b, double a) {
   return {{"r", r}, {"g", g}, {"b", b}, {"a", a}};
-}
-
-std::string base64(std::span<const std::uint8_t> bytes) {
-  std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');
-  const int length = EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes.data(),
-                                     static_cast<int>(bytes.size()));
-  text.resize(static_cast<std::size_t>(length));
-  return text;
 }
 
 // A point as the message holds it.

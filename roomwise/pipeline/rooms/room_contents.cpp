@@ -6,6 +6,7 @@
 #include <ranges>
 #include <set>
 
+#include "roomwise/base/in_context.h"
 #include "roomwise/objects/detection/paper_objects.h"
 #include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
@@ -63,9 +64,7 @@ Expected<std::vector<rooms::ObjectClaim>> object_claims(const home::Home& home) 
   ROOMWISE_TRY(const auto settings, home.settings());
   const auto stored = settings.find(kClaimsSetting);
   if (stored == settings.end()) return std::vector<rooms::ObjectClaim>{};
-  auto claims = claims_of(stored->second);
-  if (!claims) return Unexpected(std::move(claims).error().in(home.file()));
-  return claims;
+  return in_context(home.file(), claims_of(stored->second));
 }
 
 Expected<void> store_object_claims(home::Home& home,

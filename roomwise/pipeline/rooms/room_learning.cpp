@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "roomwise/base/in_context.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/image/picture_files.h"
 #include "roomwise/pipeline/rooms/picture_features.h"
@@ -341,9 +342,7 @@ Expected<rooms::RoomClassifier> with_visit_pictures(const home::Home& home,
         std::ranges::find(classifier.rooms(), picture.room) != classifier.rooms().end();
     if (is_learned) pictures.push_back({std::move(picture.features), std::move(picture.room)});
   }
-  auto more = classifier.with(pictures);
-  if (!more) return Unexpected(std::move(more).error().in(home.file()));
-  return more;
+  return in_context(home.file(), classifier.with(pictures));
 }
 
 Expected<const network::Classifier*> features_network(const Networks& networks) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "roomwise/base/in_context.h"
 #include "roomwise/pipeline/objects/changed_networks.h"
 #include "roomwise/pipeline/rooms/room_contents.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
@@ -72,8 +73,8 @@ Expected<const network::Classifier*> network_for_names(const home::Home& home,
 Expected<RoomRecognizer> RoomRecognizer::create(const home::Home& home, const Networks& networks) {
   ROOMWISE_TRY(const auto record, home.room_classifier());
   if (!record) return fail("{}: no rooms were learned yet; use rooms learn", home.file());
-  auto classifier = rooms::RoomClassifier::from_bytes(record->classifier);
-  if (!classifier) return Unexpected(std::move(classifier).error().in(home.file()));
+  ROOMWISE_TRY(auto classifier,
+               in_context(home.file(), rooms::RoomClassifier::from_bytes(record->classifier)));
   const auto same = std::ranges::find_if(networks, [&](const auto& network) {
     return network->fingerprint() == record->network_fingerprint;
   });
@@ -90,24 +91,24 @@ Expected<RoomRecognizer> RoomRecognizer::create(const home::Home& home, const Ne
         "is not one in 8 bits, its folder as ROOMWISE_MODELS",
         home.file(), record->network_name);
   }
-  ROOMWISE_TRY(classifier, with_visit_pictures(home, *std::move(classifier)));
+  ROOMWISE_TRY(classifier, with_visit_pictures(home, std::move(classifier)));
   ROOMWISE_TRY(rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(const std::vector<rooms::Room> rooms, home.rooms());
-  for (const std::string& learned : classifier->rooms()) {
+  for (const std::string& learned : classifier.rooms()) {
     if (std::ranges::find(rooms, learned, &rooms::Room::name) != rooms.end()) continue;
     return fail(
         "{}: what was learned knows a room '{}', which is none of this home any more; learn the "
         "rooms anew",
         home.file(), learned);
   }
-  std::vector<rooms::Room> learned = in_order(classifier->rooms(), rooms);
+  std::vector<rooms::Room> learned = in_order(classifier.rooms(), rooms);
   ROOMWISE_TRY(const network::Classifier* const naming, network_for_names(home, networks));
   rooms::RoomObjects room_objects;
   if (naming != nullptr) {
     ROOMWISE_TRY(room_objects, pipeline::room_objects(home, naming->fingerprint()));
   }
-  ROOMWISE_TRY(rooms::RoomTopology topology, topology_of(home, classifier->rooms()));
-  return RoomRecognizer(*std::move(classifier), std::move(concepts), std::move(learned),
+  ROOMWISE_TRY(rooms::RoomTopology topology, topology_of(home, classifier.rooms()));
+  return RoomRecognizer(std::move(classifier), std::move(concepts), std::move(learned),
                         std::move(room_objects), std::move(topology), same->get(), naming);
 }
 

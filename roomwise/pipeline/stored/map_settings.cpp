@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "roomwise/base/in_context.h"
+
 namespace roomwise::pipeline {
 namespace {
 
@@ -79,9 +81,7 @@ Expected<std::optional<MapSettings>> stored_map_settings(const home::Home& home)
   ROOMWISE_TRY(const auto stored, home.settings());
   const auto own = stored.find(kSettingsKey);
   if (own == stored.end()) return std::nullopt;
-  auto settings = map_settings_from_json(own->second);
-  if (!settings) return Unexpected(std::move(settings).error().in(home.file()));
-  return *std::move(settings);
+  return in_context(home.file(), map_settings_from_json(own->second));
 }
 
 }  // namespace roomwise::pipeline

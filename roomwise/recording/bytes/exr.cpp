@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "roomwise/recording/bytes/byte_reader.h"
+#include "roomwise/base/byte_reader.h"
+#include "roomwise/base/in_context.h"
 #include "roomwise/recording/bytes/unpack.h"
 
 namespace roomwise::recording {
@@ -211,11 +212,9 @@ Expected<Bytes> read_block(ExrBytes file, std::uint64_t offset, const ExrHeader&
     if (packed.size() != size) return fail("its block {} has not its size", block);
     return Bytes(packed.begin(), packed.end());
   }
-  auto unpacked = unpack(Packing::kZlib, packed, size);
-  if (!unpacked) {
-    return Unexpected(std::move(unpacked).error().in(fmt::format("its block {}", block)));
-  }
-  return lines_of(*unpacked);
+  ROOMWISE_TRY(const auto unpacked, in_context(fmt::format("its block {}", block),
+                                               unpack(Packing::kZlib, packed, size)));
+  return lines_of(unpacked);
 }
 
 }  // namespace

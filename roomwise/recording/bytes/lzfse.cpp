@@ -5,7 +5,7 @@
 #include <bit>
 #include <numeric>
 
-#include "roomwise/recording/bytes/byte_reader.h"
+#include "roomwise/base/byte_reader.h"
 #include "roomwise/recording/bytes/lzvn.h"
 
 namespace roomwise::recording {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "roomwise/recording/bytes/byte_reader.h"
+#include "roomwise/base/byte_reader.h"
 
 namespace roomwise::recording {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "roomwise/recording/messages/proto_reader.h"
+#include "roomwise/base/protobuf_reader.h"
 
 namespace roomwise::recording::foxglove {
 namespace {
@@ -33,7 +33,7 @@ TimestampNs time_from(std::int64_t seconds, std::int64_t nanoseconds) {
 // --- protobuf -------------------------------------------------------------------------------
 
 TimestampNs proto_time(MessageBytes message) {
-  ProtoReader reader(message);
+  ProtobufReader reader(message);
   std::int64_t seconds = 0, nanoseconds = 0;
   while (const auto field = reader.next()) {
     if (field->number == 1) seconds = static_cast<std::int64_t>(field->value);
@@ -43,8 +43,8 @@ TimestampNs proto_time(MessageBytes message) {
 }
 
 // Doubles come packed into one field or each in its own.
-void append_doubles(const ProtoReader::Field& field, std::vector<double>& numbers) {
-  if (field.bytes.empty()) {
+void append_doubles(const ProtobufReader::Field& field, std::vector<double>& numbers) {
+  if (!field.holds_bytes) {
     numbers.push_back(field.as_double());
     return;
   }
@@ -56,7 +56,7 @@ void append_doubles(const ProtoReader::Field& field, std::vector<double>& number
 template <std::size_t kCount>
 std::array<double, kCount> proto_numbers(MessageBytes message) {
   std::array<double, kCount> numbers{};
-  ProtoReader reader(message);
+  ProtobufReader reader(message);
   while (const auto field = reader.next()) {
     if (field->number >= 1 && field->number <= kCount) {
       numbers[field->number - 1] = field->as_double();
@@ -73,127 +73,63 @@ bool copy_exactly(const std::vector<double>& from, std::array<double, kCount>& t
 }
 
 Expected<ImageMessage> proto_image(MessageBytes message) {
-  ProtoReader reader(message);
+  ProtobufReader reader(message);
   ImageMessage image;
   while (const auto field = reader.next()) {
-    switch (field->number) {
-      case 1:
-        image.header.timestamp_ns = proto_time(field->bytes);
-        break;
-      case 2:
-        image.width = static_cast<std::uint32_t>(field->value);
-        break;
-      case 3:
-        image.height = static_cast<std::uint32_t>(field->value);
-        break;
-      case 4:
-        image.pixels = field->text();
-        break;
-      case 5:
-        image.step = static_cast<std::uint32_t>(field->value);
-        break;
-      case 6:
-        image.data.assign(field->bytes.begin(), field->bytes.end());
-        break;
-      case 7:
-        image.header.frame = plain_frame(field->text());
-        break;
-      default:
-        break;
-    }
+    if (field->number == 1) image.header.timestamp_ns = proto_time(field->bytes);
+    if (field->number == 2) image.width = field->as_count();
+    if (field->number == 3) image.height = field->as_count();
+    if (field->number == 4) image.pixels = field->text();
+    if (field->number == 5) image.step = field->as_count();
+    if (field->number == 6) image.data.assign(field->bytes.begin(), field->bytes.end());
+    if (field->number == 7) image.header.frame = plain_frame(field->text());
   }
   if (!reader.ok()) return broken();
   return image;
 }
 
 Expected<CompressedImageMessage> proto_compressed_image(MessageBytes message) {
-  ProtoReader reader(message);
+  ProtobufReader reader(message);
   CompressedImageMessage image;
   while (const auto field = reader.next()) {
-    switch (field->number) {
-      case 1:
-        image.header.timestamp_ns = proto_time(field->bytes);
-        break;
-      case 2:
-        image.data.assign(field->bytes.begin(), field->bytes.end());
-        break;
-      case 3:
-        image.format = field->text();
-        break;
-      case 4:
-        image.header.frame = plain_frame(field->text());
-        break;
-      default:
-        break;
-    }
+    if (field->number == 1) image.header.timestamp_ns = proto_time(field->bytes);
+    if (field->number == 2) image.data.assign(field->bytes.begin(), field->bytes.end());
+    if (field->number == 3) image.format = field->text();
+    if (field->number == 4) image.header.frame = plain_frame(field->text());
   }
   if (!reader.ok()) return broken();
   return image;
 }
 
 Expected<CameraInfoMessage> proto_camera_info(MessageBytes message) {
-  ProtoReader reader(message);
+  ProtobufReader reader(message);
   CameraInfoMessage camera;
   std::vector<double> k, p;
   while (const auto field = reader.next()) {
-    switch (field->number) {
-      case 1:
-        camera.header.timestamp_ns = proto_time(field->bytes);
-        break;
-      case 2:
-        camera.width = static_cast<std::uint32_t>(field->value);
-        break;
-      case 3:
-        camera.height = static_cast<std::uint32_t>(field->value);
-        break;
-      case 4:
-        camera.distortion_model = field->text();
-        break;
-      case 5:
-        append_doubles(*field, camera.distortion);
-        break;
-      case 6:
-        append_doubles(*field, k);
-        break;
-      case 8:
-        append_doubles(*field, p);
-        break;
-      case 9:
-        camera.header.frame = plain_frame(field->text());
-        break;
-      default:
-        break;
-    }
+    if (field->number == 1) camera.header.timestamp_ns = proto_time(field->bytes);
+    if (field->number == 2) camera.width = field->as_count();
+    if (field->number == 3) camera.height = field->as_count();
+    if (field->number == 4) camera.distortion_model = field->text();
+    if (field->number == 5) append_doubles(*field, camera.distortion);
+    if (field->number == 6) append_doubles(*field, k);
+    if (field->number == 8) append_doubles(*field, p);
+    if (field->number == 9) camera.header.frame = plain_frame(field->text());
   }
   if (!reader.ok() || !copy_exactly(k, camera.k) || !copy_exactly(p, camera.p)) return broken();
   return camera;
 }
 
 Expected<TransformMessage> proto_transform(MessageBytes message) {
-  ProtoReader reader(message);
+  ProtobufReader reader(message);
   TransformMessage transform;
   std::array<double, 4> rotation{0, 0, 0, 1};
   std::array<double, 3> translation{};
   while (const auto field = reader.next()) {
-    switch (field->number) {
-      case 1:
-        transform.header.timestamp_ns = proto_time(field->bytes);
-        break;
-      case 2:
-        transform.header.frame = plain_frame(field->text());
-        break;
-      case 3:
-        transform.child = plain_frame(field->text());
-        break;
-      case 4:
-        translation = proto_numbers<3>(field->bytes);
-        break;
-      case 5:
-        rotation = proto_numbers<4>(field->bytes);
-        break;
-      default:
-        break;
-    }
+    if (field->number == 1) transform.header.timestamp_ns = proto_time(field->bytes);
+    if (field->number == 2) transform.header.frame = plain_frame(field->text());
+    if (field->number == 3) transform.child = plain_frame(field->text());
+    if (field->number == 4) translation = proto_numbers<3>(field->bytes);
+    if (field->number == 5) rotation = proto_numbers<4>(field->bytes);
   }
   if (!reader.ok()) return broken();
   transform.parent_from_child.translation = {translation[0], translation[1], translation[2]};
@@ -368,7 +304,7 @@ Expected<std::vector<TransformMessage>> transforms(Encoding encoding, MessageByt
     }
     return transforms;
   }
-  ProtoReader reader(message);
+  ProtobufReader reader(message);
   while (const auto field = reader.next()) {
     if (field->number != 1) continue;
     ROOMWISE_TRY(TransformMessage one, proto_transform(field->bytes));
@@ -384,7 +320,7 @@ std::optional<TimestampNs> time(Encoding encoding, MessageBytes message) {
     if (!json || object_in(*json, "timestamp").empty()) return std::nullopt;
     return json_header(*json).timestamp_ns;
   }
-  ProtoReader reader(message);
+  ProtobufReader reader(message);
   while (const auto field = reader.next()) {
     if (field->number == 1) return proto_time(field->bytes);
   }

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <set>
 
-#include "roomwise/recording/bytes/byte_reader.h"
+#include "roomwise/base/byte_reader.h"
+#include "roomwise/base/in_context.h"
 #include "roomwise/recording/messages/log_builder.h"
 
 namespace roomwise::recording {
@@ -202,12 +203,9 @@ class McapScan {
     if (!reader.ok() || chunk.packed_size > record.size - reader.position()) {
       return damaged(record.begin, "the chunk");
     }
-    auto known = packing_named(packing);
-    if (!known) {
-      return Unexpected(std::move(known).error().in(
-          fmt::format("{}: the chunk at byte {}", file_.path().string(), record.begin)));
-    }
-    chunk.packing = *known;
+    ROOMWISE_TRY(chunk.packing, in_context(fmt::format("{}: the chunk at byte {}",
+                                                       file_.path().string(), record.begin),
+                                           packing_named(packing)));
     return read_messages_of(chunk);
   }
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "roomwise/base/in_context.h"
+
 namespace roomwise::recording {
 namespace {
 
@@ -24,9 +26,8 @@ Expected<Bytes> unpack_chunk(const RandomAccessFile& file, const Chunk& chunk) {
                 chunk.size);
   }
   ROOMWISE_TRY(const Bytes packed, file.read(chunk.offset, chunk.packed_size));
-  auto bytes = unpack(chunk.packing, packed, chunk.size);
-  if (!bytes) return Unexpected(std::move(bytes).error().in(name));
-  const auto crc = crc32_z(0, bytes->data(), bytes->size());
+  ROOMWISE_TRY(auto bytes, in_context(name, unpack(chunk.packing, packed, chunk.size)));
+  const auto crc = crc32_z(0, bytes.data(), bytes.size());
   if (chunk.crc32 != 0 && crc != chunk.crc32) {
     return fail("{} is damaged: its CRC-32 is {:08x}, not {:08x}; copy the file again", name, crc,
                 chunk.crc32);

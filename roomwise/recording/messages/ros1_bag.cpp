@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "roomwise/recording/bytes/byte_reader.h"
+#include "roomwise/base/byte_reader.h"
+#include "roomwise/base/in_context.h"
 #include "roomwise/recording/messages/log_builder.h"
 
 namespace roomwise::recording {
@@ -171,12 +172,9 @@ class BagScan {
     chunk.offset = record.begin;
     chunk.packed_size = record.size;
     chunk.size = record.fields.number<std::uint32_t>("size").value_or(0);
-    auto packing = packing_named(record.fields.text("compression"));
-    if (!packing) {
-      return Unexpected(std::move(packing).error().in(
-          fmt::format("{}: the chunk at byte {}", file_.path().string(), record.begin)));
-    }
-    chunk.packing = *packing;
+    ROOMWISE_TRY(chunk.packing, in_context(fmt::format("{}: the chunk at byte {}",
+                                                       file_.path().string(), record.begin),
+                                           packing_named(record.fields.text("compression"))));
     const std::uint32_t number = builder_.add_chunk(chunk);
     if (chunk.packing == Packing::kNone) {
       RecordSpace records(file_, chunk.offset, chunk.packed_size);

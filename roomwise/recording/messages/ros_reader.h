@@ -3,7 +3,7 @@
 #include <bit>
 #include <string>
 
-#include "roomwise/recording/bytes/byte_reader.h"
+#include "roomwise/base/byte_reader.h"
 #include "roomwise/recording/messages/messages.h"
 
 namespace roomwise::recording {

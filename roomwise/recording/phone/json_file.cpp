@@ -3,17 +3,21 @@
 #include <cmath>
 
 #include "roomwise/base/file.h"
+#include "roomwise/base/in_context.h"
 
 namespace roomwise::recording {
 
 using nlohmann::json;
 
-Expected<json> read_json_file(const std::filesystem::path& path, std::uintmax_t max_bytes) {
+namespace {
+
+Expected<json> read_json_file(const std::filesystem::path& path) {
+  constexpr std::uintmax_t kMaxBytes = 1 << 20;
   std::error_code error;
   const auto size = std::filesystem::file_size(path, error);
-  if (!error && size > max_bytes) {
+  if (!error && size > kMaxBytes) {
     return fail("{}: has {} bytes, more than the {} that such a file may have", path.string(), size,
-                max_bytes);
+                kMaxBytes);
   }
   ROOMWISE_TRY(const std::string text, read_text_file(path));
   json parsed = json::parse(text, nullptr, /*allow_exceptions=*/false);
@@ -22,6 +26,8 @@ Expected<json> read_json_file(const std::filesystem::path& path, std::uintmax_t 
   }
   return parsed;
 }
+
+}  // namespace
 
 Expected<double> number_of(const json& object, const char* key) {
   const auto value = object.find(key);
@@ -66,6 +72,12 @@ Expected<geometry::RigidTransform> pose_of_arkit(std::span<const double> rows) {
   ROOMWISE_TRY(const auto world_from_arkit, pose_of_rows(rows));
   const geometry::RigidTransform arkit_from_camera{{0, 1, 0, 0}, Eigen::Vector3d::Zero()};
   return world_from_arkit * arkit_from_camera;
+}
+
+Expected<FrameFacts> read_frame_facts(const std::filesystem::path& path,
+                                      Expected<FrameFacts> (*facts_of)(const json&)) {
+  ROOMWISE_TRY(const json object, read_json_file(path));
+  return in_context(path.string(), facts_of(object));
 }
 
 Expected<TimestampNs> timestamp_of(double seconds) {

@@ -8,17 +8,13 @@
 
 #include "roomwise/base/expected.h"
 #include "roomwise/base/timestamp.h"
+#include "roomwise/geometry/pinhole_camera.h"
 #include "roomwise/geometry/rigid_transform.h"
 
 namespace roomwise::recording {
 
 // The direction up in the world of pose_of_arkit(): ARKit turns it by gravity.
 inline const Eigen::Vector3d kArkitUp = Eigen::Vector3d::UnitY();
-
-// A JSON file that describes a frame or a recording. Fails, naming it,
-// where it is larger than `max_bytes`, or no JSON.
-[[nodiscard]] Expected<nlohmann::json> read_json_file(const std::filesystem::path& path,
-                                                      std::uintmax_t max_bytes = 1 << 20);
 
 // A finite number, or list of `Count` of them, that the object has under `key`; errors name the
 // key.
@@ -32,6 +28,17 @@ inline const Eigen::Vector3d kArkitUp = Eigen::Vector3d::UnitY();
 // The same where the camera's axes are ARKit's and OpenGL's, x right, y up, z back: it is turned to
 // Roomwise's; the world stays.
 [[nodiscard]] Expected<geometry::RigidTransform> pose_of_arkit(std::span<const double> rows);
+
+// What a frame's own JSON file says.
+struct FrameFacts {
+  TimestampNs timestamp_ns = 0;
+  geometry::PinholeCamera camera;
+  geometry::RigidTransform world_from_camera;
+};
+// `facts_of` reads them from the file's object. Fails, naming the file, where it has more than a
+// MiB or is no JSON, and as `facts_of` does.
+[[nodiscard]] Expected<FrameFacts> read_frame_facts(
+    const std::filesystem::path& path, Expected<FrameFacts> (*facts_of)(const nlohmann::json&));
 
 // The time of `seconds`; fails where it is none.
 [[nodiscard]] Expected<TimestampNs> timestamp_of(double seconds);

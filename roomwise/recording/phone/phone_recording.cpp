@@ -109,7 +109,8 @@ Expected<Bytes> PhoneRecording::read_encoded(const PhonePicture& picture) const 
     return fail("{}: has {}x{} pixels, the recording's first picture {}x{}", picture.color.string(),
                 color.width(), color.height(), picture.camera.width, picture.camera.height);
   }
-  return image::encode_jpeg(as_seen_by(color, picture.camera, info().camera), kResampledJpegQuality);
+  return image::encode_jpeg(as_seen_by(color, picture.camera, info().camera),
+                            kResampledJpegQuality);
 }
 
 Expected<image::DepthImage> PhoneRecording::read_depth(const PhonePicture& picture) const {

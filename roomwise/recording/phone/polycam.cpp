@@ -8,11 +8,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct PolycamFacts {
-  geometry::PinholeCamera camera;
-  geometry::RigidTransform world_from_camera;
-};
-
 Expected<int> side_px(const nlohmann::json& json, const char* key) {
   constexpr double kMaxSide_px = 16'384;
   ROOMWISE_TRY(const double side, number_of(json, key));
@@ -21,8 +16,9 @@ Expected<int> side_px(const nlohmann::json& json, const char* key) {
   return static_cast<int>(side);
 }
 
-Expected<PolycamFacts> polycam_facts(const nlohmann::json& json) {
-  PolycamFacts facts;
+// The time stands in the name alone.
+Expected<FrameFacts> polycam_facts(const nlohmann::json& json) {
+  FrameFacts facts;
   ROOMWISE_TRY(facts.camera.fx, number_of(json, "fx"));
   ROOMWISE_TRY(facts.camera.fy, number_of(json, "fy"));
   ROOMWISE_TRY(facts.camera.cx, number_of(json, "cx"));
@@ -36,13 +32,6 @@ Expected<PolycamFacts> polycam_facts(const nlohmann::json& json) {
     rows.push_back(value);
   }
   ROOMWISE_TRY(facts.world_from_camera, pose_of_arkit(rows));
-  return facts;
-}
-
-Expected<PolycamFacts> read_polycam_facts(const fs::path& file) {
-  ROOMWISE_TRY(const auto json, read_json_file(file));
-  auto facts = polycam_facts(json);
-  if (!facts) return Unexpected(std::move(facts).error().in(file.string()));
   return facts;
 }
 
@@ -75,7 +64,7 @@ Expected<std::unique_ptr<Recording>> open_polycam_folder(const fs::path& folder,
       return fail("{}: has no camera of its name in {}; copy the recording again", image.string(),
                   (frames / (which + "cameras")).string());
     }
-    ROOMWISE_TRY(const PolycamFacts facts, read_polycam_facts(camera));
+    ROOMWISE_TRY(const FrameFacts facts, read_frame_facts(camera, polycam_facts));
     const auto timestamp_ns = static_cast<TimestampNs>(microseconds * 1000);
     listing.pictures.push_back({listing.pictures.size(), timestamp_ns, image,
                                 file_or_none(depths, microseconds), facts.camera});

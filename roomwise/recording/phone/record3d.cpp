@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "roomwise/base/in_context.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/recording/phone/json_file.h"
 #include "roomwise/recording/phone/one_camera.h"
@@ -134,9 +135,7 @@ Expected<Record3dFacts> read_facts(const Record3dFiles& files) {
   ROOMWISE_TRY(const Bytes bytes, files.read_metadata());
   const Json json = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
   if (!json.is_object()) return fail("{}: is no JSON object", name);
-  auto facts = facts_from(json, files);
-  if (!facts) return Unexpected(std::move(facts).error().in(name));
-  return facts;
+  return in_context(name, facts_from(json, files));
 }
 
 // The app turns a portrait and its depth a quarter clockwise, so that what was the first row, on
@@ -162,14 +161,13 @@ class Record3dRecording final : public Recording {
   [[nodiscard]] Expected<image::ColorImage> read_picture(
       const RecordedPicture& picture) const override {
     ROOMWISE_TRY(const Bytes bytes, files_->read_color(picture.index));
-    auto color = image::decode_color(bytes);
-    if (!color) return Unexpected(std::move(color).error().in(describe(picture)));
+    ROOMWISE_TRY(const auto color, in_context(describe(picture), image::decode_color(bytes)));
     const PinholeCamera& camera = facts_.frames.at(picture.index).camera;
-    if (color->width() != camera.width || color->height() != camera.height) {
-      return fail("{}: has {}x{} pixels, metadata says {}x{}", describe(picture), color->width(),
-                  color->height(), camera.width, camera.height);
+    if (color.width() != camera.width || color.height() != camera.height) {
+      return fail("{}: has {}x{} pixels, metadata says {}x{}", describe(picture), color.width(),
+                  color.height(), camera.width, camera.height);
     }
-    return as_seen_by(*color, camera, info().camera);
+    return as_seen_by(color, camera, info().camera);
   }
 
   [[nodiscard]] Expected<image::DepthImage> read_depth(const RecordedPicture& picture) const {

@@ -2,7 +2,8 @@
 
 #include <array>
 
-#include "roomwise/recording/bytes/byte_reader.h"
+#include "roomwise/base/byte_reader.h"
+#include "roomwise/base/in_context.h"
 #include "roomwise/recording/bytes/exr.h"
 #include "roomwise/recording/bytes/lzfse.h"
 #include "roomwise/recording/phone/zip_file.h"
@@ -68,9 +69,7 @@ class Record3dZip final : public Record3dFiles {
         size * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     ROOMWISE_TRY(Bytes bytes, zip_.read(entry, 2 * expected + 4096));
     if (is_lzfse(bytes) && bytes.size() != expected) {
-      auto decoded = decode_lzfse(bytes, expected);
-      if (!decoded) return Unexpected(std::move(decoded).error().in(named(entry)));
-      bytes = *std::move(decoded);
+      ROOMWISE_TRY(bytes, in_context(named(entry), decode_lzfse(bytes, expected)));
     }
     if (bytes.size() == expected) return bytes;
     return fail("{}: has {} bytes, {}x{} pixels need {}", named(entry), bytes.size(), width, height,
@@ -129,11 +128,11 @@ class Record3dExrFolder final : public Record3dFiles {
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     ROOMWISE_TRY(const Bytes bytes,
                  read_at_most(depth(frame), kMaxBytesOfPixel * pixels + (1 << 20)));
-    auto depth_m = decode_exr(bytes, static_cast<std::int64_t>(pixels));
-    if (!depth_m) return Unexpected(std::move(depth_m).error().in(depth(frame).string()));
-    if (depth_m->width() == width && depth_m->height() == height) return depth_m;
+    ROOMWISE_TRY(auto depth_m, in_context(depth(frame).string(),
+                                          decode_exr(bytes, static_cast<std::int64_t>(pixels))));
+    if (depth_m.width() == width && depth_m.height() == height) return depth_m;
     return fail("{}: has {}x{} pixels, metadata.json says {}x{}", depth(frame).string(),
-                depth_m->width(), depth_m->height(), width, height);
+                depth_m.width(), depth_m.height(), width, height);
   }
 
  private:

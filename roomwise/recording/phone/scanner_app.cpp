@@ -12,14 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What a frame's JSON says; nothing else of it is read.
-struct FrameFacts {
-  TimestampNs timestamp_ns = 0;
-  geometry::PinholeCamera camera;  // without its size
-  geometry::RigidTransform world_from_camera;
-};
-
-Expected<FrameFacts> facts_of(const nlohmann::json& json) {
+// The camera without its size.
+Expected<FrameFacts> scanner_app_facts(const nlohmann::json& json) {
   FrameFacts facts;
   ROOMWISE_TRY(const double seconds, number_of(json, "time"));
   ROOMWISE_TRY(facts.timestamp_ns, timestamp_of(seconds));
@@ -33,18 +27,11 @@ Expected<FrameFacts> facts_of(const nlohmann::json& json) {
   return facts;
 }
 
-Expected<FrameFacts> read_facts(const fs::path& file) {
-  ROOMWISE_TRY(const auto json, read_json_file(file));
-  auto facts = facts_of(json);
-  if (!facts) return Unexpected(std::move(facts).error().in(file.string()));
-  return facts;
-}
-
 // The app writes every frame's file before the next one's, so times that go back are damage.
 Expected<std::map<std::uint64_t, FrameFacts>> read_all_facts(const NumberedFiles& files) {
   std::map<std::uint64_t, FrameFacts> all;
   for (const auto& [number, file] : files) {
-    ROOMWISE_TRY(const FrameFacts facts, read_facts(file));
+    ROOMWISE_TRY(const FrameFacts facts, read_frame_facts(file, scanner_app_facts));
     if (!all.empty() && facts.timestamp_ns <= all.rbegin()->second.timestamp_ns) {
       return fail("{}: its time {} s is not after that of the frame before", file.string(),
                   format_timestamp(facts.timestamp_ns));

@@ -1,4 +1,5 @@
 #include "roomwise/base/file.h"
+#include "roomwise/base/in_context.h"
 #include "roomwise/recording/data_lines.h"
 #include "roomwise/recording/phone/folders.h"
 #include "roomwise/recording/phone/json_file.h"
@@ -30,9 +31,7 @@ Expected<geometry::RigidTransform> read_scene_pose(const fs::path& file) {
     }
   }
   if (rows.size() != 16) return fail("{}: has {} numbers, expected 16", file.string(), rows.size());
-  auto pose = pose_of_rows(rows);
-  if (!pose) return Unexpected(std::move(pose).error().in(file.string()));
-  return pose;
+  return in_context(file.string(), pose_of_rows(rows));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "roomwise/base/file.h"
+#include "roomwise/base/in_context.h"
 #include "roomwise/recording/data_lines.h"
 #include "roomwise/recording/phone/numbered_files.h"
 #include "roomwise/recording/phone/phone_recording.h"
@@ -172,9 +173,7 @@ Expected<std::unique_ptr<Recording>> open_stray_scanner_folder(const fs::path& f
       return fail("{}: its number is not after that of the line before", table.place(row));
     }
     ROOMWISE_TRY(const auto time, table.word(row, "timestamp"));
-    auto timestamp_ns = parse_timestamp(time);
-    if (!timestamp_ns) return Unexpected(std::move(timestamp_ns).error().in(table.place(row)));
-    picture.timestamp_ns = *timestamp_ns;
+    ROOMWISE_TRY(picture.timestamp_ns, in_context(table.place(row), parse_timestamp(time)));
     picture.color = file;
     picture.depth = file_or_none(depths, picture.index);
     ROOMWISE_TRY(picture.camera, camera_of_row(table, row, camera));

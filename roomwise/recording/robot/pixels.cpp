@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "roomwise/base/byte_reader.h"
 #include "roomwise/image/codec.h"
-#include "roomwise/recording/bytes/byte_reader.h"
 
 namespace roomwise::recording {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "roomwise/base/in_context.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/recording/association.h"
 #include "roomwise/recording/messages/mcap_file.h"
@@ -209,9 +210,7 @@ Expected<std::unique_ptr<Recording>> open_named(std::string kind, Expected<Messa
                                                 const RecordingOptions& options) {
   if (!log) return Unexpected(std::move(log).error());
   const std::string path = log->path().string();
-  auto recording = open_log(std::move(kind), *std::move(log), options);
-  if (!recording) return Unexpected(std::move(recording).error().in(path));
-  return recording;
+  return in_context(path, open_log(std::move(kind), *std::move(log), options));
 }
 
 Bytes first_bytes_of(const std::filesystem::path& path) {

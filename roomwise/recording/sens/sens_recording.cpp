@@ -4,8 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "roomwise/base/byte_reader.h"
+#include "roomwise/base/in_context.h"
 #include "roomwise/image/codec.h"
-#include "roomwise/recording/bytes/byte_reader.h"
 #include "roomwise/recording/bytes/random_access_file.h"
 #include "roomwise/recording/bytes/unpack.h"
 #include "roomwise/recording/phone/one_camera.h"
@@ -293,14 +294,14 @@ Expected<std::unique_ptr<Recording>> open_sens_recording(const std::filesystem::
                                                          const RecordingOptions& options) {
   ROOMWISE_TRY(RandomAccessFile file, RandomAccessFile::open(path));
   ROOMWISE_TRY(const SensHead head, read_head(file));
-  auto camera = working_camera(head.color, options.camera);
-  if (!camera) return Unexpected(std::move(camera).error().in(path.string()));
+  ROOMWISE_TRY(const auto camera,
+               in_context(path.string(), working_camera(head.color, options.camera)));
   ROOMWISE_TRY(std::vector<SensFrame> frames, read_frames(file, head));
   if (frames.empty()) return fail("{}: holds no whole frame", path.string());
   RecordingContents contents;
   contents.kind = "ScanNet .sens";
   contents.info.name = recording_name(path);
-  contents.info.camera = camera->working;
+  contents.info.camera = camera.working;
   if (frames.size() < head.frame_count) {
     contents.notes.push_back(
         fmt::format("the file ends within frame {} of {}; those before are read", frames.size(),
@@ -313,7 +314,7 @@ Expected<std::unique_ptr<Recording>> open_sens_recording(const std::filesystem::
     if (pose) contents.device_poses.push_back({frames[i].timestamp_ns, *pose});
   }
   return std::unique_ptr<Recording>(
-      new SensRecording(std::move(contents), std::move(file), head, *camera, std::move(frames)));
+      new SensRecording(std::move(contents), std::move(file), head, camera, std::move(frames)));
 }
 
 }  // namespace roomwise::recording

@@ -1,13 +1,14 @@
 #include "roomwise/rooms/recognition/room_classifier.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <stdexcept>
 
-#include "roomwise/rooms/recognition/stored_numbers.h"
-
 namespace roomwise::rooms {
 namespace {
+
+static_assert(std::endian::native == std::endian::little, "homes go from machine to machine");
 
 constexpr std::string_view kMagic = "RWRC";
 constexpr std::uint32_t kVersion = 2;
@@ -94,18 +95,18 @@ Expected<std::vector<RoomScore>> RoomClassifier::scores(std::span<const float> f
 }
 
 Bytes RoomClassifier::to_bytes() const {
-  NumberWriter writer;
-  writer.raw(kMagic);
-  writer.number(kVersion);
-  writer.text(network_.name);
-  writer.text(network_.fingerprint);
-  writer.number(static_cast<std::uint32_t>(rooms_.size()));
-  writer.number(static_cast<std::uint32_t>(feature_size()));
+  PlainWriter writer;
+  writer.put(kMagic.data(), kMagic.size());
+  writer.put(kVersion);
+  writer.put_text(network_.name);
+  writer.put_text(network_.fingerprint);
+  writer.put(static_cast<std::uint32_t>(rooms_.size()));
+  writer.put(static_cast<std::uint32_t>(feature_size()));
   for (Eigen::Index i = 0; i < regression_.biases().size(); ++i) {
-    writer.text(rooms_[static_cast<std::size_t>(i)]);
-    writer.number(regression_.biases()[i]);
+    writer.put_text(rooms_[static_cast<std::size_t>(i)]);
+    writer.put(regression_.biases()[i]);
     const Eigen::VectorXf weights = regression_.weights().row(i);
-    writer.numbers(std::span(weights.data(), feature_size()));
+    writer.put(weights.data(), feature_size());
   }
   write(writer, retrieval_);
   return writer.take();
@@ -115,20 +116,20 @@ Expected<RoomClassifier> RoomClassifier::from_bytes(std::span<const std::uint8_t
   const auto damaged = [](std::string_view what) {
     return fail("the room classifier is damaged: {}; learn the rooms again", what);
   };
-  NumberReader reader(bytes);
-  if (reader.raw(kMagic.size()) != kMagic) return damaged("it does not begin with RWRC");
-  const auto version = reader.number<std::uint32_t>();
+  PlainReader reader(bytes);
+  if (reader.get_text(kMagic.size()) != kMagic) return damaged("it does not begin with RWRC");
+  const auto version = reader.get<std::uint32_t>();
   if (version != kVersion) {
     return fail("the room classifier has version {}, this program reads {}; learn the rooms again",
                 version, kVersion);
   }
   NetworkIdentity network;
-  network.name = reader.text();
-  network.fingerprint = reader.text();
-  const std::size_t rooms = reader.number<std::uint32_t>();
-  const std::size_t features = reader.number<std::uint32_t>();
+  network.name = reader.get_text();
+  network.fingerprint = reader.get_text();
+  const std::size_t rooms = reader.get<std::uint32_t>();
+  const std::size_t features = reader.get<std::uint32_t>();
   // Every room takes its name's length, bias and weights; asked before any memory is taken.
-  if (reader.failed() || rooms == 0 || features == 0 ||
+  if (reader.is_short() || rooms == 0 || features == 0 ||
       reader.left() / (8 + 4 * features) < rooms) {
     return damaged("it is cut short");
   }
@@ -137,12 +138,12 @@ Expected<RoomClassifier> RoomClassifier::from_bytes(std::span<const std::uint8_t
   Eigen::MatrixXf weights(rooms, features);
   Eigen::VectorXf biases(rooms);
   for (Eigen::Index i = 0; i < biases.size(); ++i) {
-    names.push_back(reader.text());
-    biases[i] = reader.number<float>();
-    reader.numbers(std::span(row));
+    names.push_back(reader.get_text());
+    biases[i] = reader.get<float>();
+    reader.get(row.data(), row.size());
     weights.row(i) = Eigen::Map<const Eigen::RowVectorXf>(row.data(), weights.cols());
   }
-  if (reader.failed()) return damaged("it is cut short");
+  if (reader.is_short()) return damaged("it is cut short");
   auto retrieval = read_retrieval(reader, rooms, features);
   if (!retrieval) return damaged(retrieval.error().message);
   if (reader.left() != 0) return damaged("something follows its end");

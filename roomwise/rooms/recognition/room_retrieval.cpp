@@ -12,13 +12,13 @@ constexpr std::array kCalibration = {
     &RoomCalibration::plain_cosine_deviation};
 
 // Column by column.
-void write_matrix(NumberWriter& writer, const Eigen::MatrixXf& matrix) {
-  writer.numbers(std::span(matrix.data(), static_cast<std::size_t>(matrix.size())));
+void write_matrix(PlainWriter& writer, const Eigen::MatrixXf& matrix) {
+  writer.put(matrix.data(), static_cast<std::size_t>(matrix.size()));
 }
 
-Eigen::MatrixXf read_matrix(NumberReader& reader, std::size_t rows, std::size_t columns) {
+Eigen::MatrixXf read_matrix(PlainReader& reader, std::size_t rows, std::size_t columns) {
   Eigen::MatrixXf matrix(rows, columns);
-  reader.numbers(std::span(matrix.data(), rows * columns));
+  reader.get(matrix.data(), rows * columns);
   return matrix;
 }
 
@@ -28,27 +28,27 @@ bool are_deviations(const Eigen::VectorXf& values) {
 
 }  // namespace
 
-void write(NumberWriter& writer, const RoomRetrieval& retrieval) {
+void write(PlainWriter& writer, const RoomRetrieval& retrieval) {
   const RoomGallery& gallery = retrieval.gallery;
   const PcaSpace& space = gallery.space();
-  writer.number(static_cast<std::uint32_t>(space.directions().cols()));
-  writer.number(static_cast<std::uint32_t>(gallery.projections().rows()));
+  writer.put(static_cast<std::uint32_t>(space.directions().cols()));
+  writer.put(static_cast<std::uint32_t>(gallery.projections().rows()));
   write_matrix(writer, space.mean());
   write_matrix(writer, space.directions());
   write_matrix(writer, space.deviations());
   write_matrix(writer, gallery.projections());
-  writer.numbers(std::span(gallery.room()));
-  writer.numbers(std::span(gallery.picture()));
-  for (const auto number : kCalibration) writer.number(retrieval.calibration.*number);
+  writer.put(gallery.room().data(), gallery.room().size());
+  writer.put(gallery.picture().data(), gallery.picture().size());
+  for (const auto number : kCalibration) writer.put(retrieval.calibration.*number);
 }
 
-Expected<RoomRetrieval> read_retrieval(NumberReader& reader, std::size_t rooms,
+Expected<RoomRetrieval> read_retrieval(PlainReader& reader, std::size_t rooms,
                                        std::size_t features) {
-  const std::uint64_t directions = reader.number<std::uint32_t>();
-  const std::uint64_t rows = reader.number<std::uint32_t>();
+  const std::uint64_t directions = reader.get<std::uint32_t>();
+  const std::uint64_t rows = reader.get<std::uint32_t>();
   // Asked before any memory is taken. Every factor is below 2^32.
   const std::uint64_t left = reader.left() / 4;
-  if (reader.failed() || rows == 0 || directions > left || rows > left ||
+  if (reader.is_short() || rows == 0 || directions > left || rows > left ||
       features > left / (directions + 1) || rows > left / (directions + 2)) {
     return fail("it is cut short");
   }
@@ -58,11 +58,11 @@ Expected<RoomRetrieval> read_retrieval(NumberReader& reader, std::size_t rooms,
   Eigen::MatrixXf projections = read_matrix(reader, rows, directions);
   std::vector<int> room(rows);
   std::vector<int> picture(rows);
-  reader.numbers(std::span(room));
-  reader.numbers(std::span(picture));
+  reader.get(room.data(), room.size());
+  reader.get(picture.data(), picture.size());
   RoomRetrieval retrieval;
-  for (const auto number : kCalibration) retrieval.calibration.*number = reader.number<double>();
-  if (reader.failed()) return fail("it is cut short");
+  for (const auto number : kCalibration) retrieval.calibration.*number = reader.get<double>();
+  if (reader.is_short()) return fail("it is cut short");
   if (!mean.allFinite() || !axes.allFinite() || !projections.allFinite() ||
       !are_deviations(deviations)) {
     return fail("a remembered picture is not finite");

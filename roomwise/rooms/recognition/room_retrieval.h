@@ -3,9 +3,9 @@
 #include <cstdint>
 
 #include "roomwise/base/expected.h"
+#include "roomwise/base/plain_bytes.h"
 #include "roomwise/rooms/recognition/room_calibration.h"
 #include "roomwise/rooms/recognition/room_gallery.h"
-#include "roomwise/rooms/recognition/stored_numbers.h"
 
 namespace roomwise::rooms {
 
@@ -16,10 +16,10 @@ struct RoomRetrieval {
 };
 
 // Writes it as the end of a stored classifier.
-void write(NumberWriter& writer, const RoomRetrieval& retrieval);
+void write(PlainWriter& writer, const RoomRetrieval& retrieval);
 // Fails, saying what is wrong, on anything that write() does not write. Memory is taken only for
 // what is there.
-[[nodiscard]] Expected<RoomRetrieval> read_retrieval(NumberReader& reader, std::size_t rooms,
+[[nodiscard]] Expected<RoomRetrieval> read_retrieval(PlainReader& reader, std::size_t rooms,
                                                      std::size_t features);
 
 }  // namespace roomwise::rooms

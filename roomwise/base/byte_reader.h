@@ -10,7 +10,7 @@
 #include <string_view>
 #include <type_traits>
 
-namespace roomwise::recording {
+namespace roomwise {
 
 // The number that begins at `bytes`, which must hold it.
 template <typename Number>
@@ -67,4 +67,4 @@ class ByteReader {
   bool ok_ = true;
 };
 
-}  // namespace roomwise::recording
+}  // namespace roomwise
