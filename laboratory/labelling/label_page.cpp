@@ -4,6 +4,7 @@
 #include <set>
 
 #include "roomwise/base/file.h"
+#include "roomwise/base/spread.h"
 #include "roomwise/image/codec.h"
 
 namespace roomwise::labelling {
@@ -15,9 +16,10 @@ using Json = nlohmann::ordered_json;
 std::set<std::uint64_t> chosen_pictures(const recording::Recording& recording,
                                         const LabelPageOptions& options) {
   const auto& all = recording.pictures();
-  const std::size_t count = std::min(options.pictures, all.size());
   std::set<std::uint64_t> chosen;
-  for (std::size_t i = 0; i < count; ++i) chosen.insert(all[i * all.size() / count].index);
+  for (const std::size_t i : spread_evenly(all.size(), options.pictures)) {
+    chosen.insert(all[i].index);
+  }
   if (!options.labels) return chosen;
   for (const LabelledThing& thing : options.labels->things) {
     for (const LabelledView& view : thing.views) chosen.insert(view.frame);

@@ -218,9 +218,7 @@ std::string training_section(const PaperResults& results) {
       "<h2>Training</h2>\n<p>The paper fine-tunes Inception-v3 for 22,000 steps [1]; no figure of "
       "its curve is at hand to stand beside this one.</p>\n";
   if (!results.training || results.training->points.empty()) return html;
-  Rows figures;
-  for (const auto& [name, value] : results.training->figures) figures.push_back({name, value});
-  return html + report_table("What was trained", {"Figure", "Value"}, figures, 2) +
+  return html + evaluation::figure_table("What was trained", results.training->figures, 2) +
          evaluation::training_plots(*results.training) +
          evaluation::training_table(*results.training);
 }

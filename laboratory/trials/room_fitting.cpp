@@ -9,6 +9,7 @@
 
 #include "laboratory/trials/logistic_regression.h"
 #include "roomwise/base/file.h"
+#include "roomwise/base/spread.h"
 #include "roomwise/pipeline/rooms/predict_pictures.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 
@@ -58,14 +59,6 @@ Expected<std::vector<LabelledPicture>> known_pictures(const RoomTest& test) {
   ROOMWISE_CHECK_OK(pipeline::add_frames(recorded, labels, {selection, 0}, all_rooms(labels),
                                          test.folder.filename().string(), pictures));
   return pictures;
-}
-
-template <typename Value>
-std::vector<Value> spread_evenly(std::vector<Value> values, std::size_t count) {
-  if (values.size() <= count) return values;
-  std::vector<Value> some;
-  for (std::size_t i = 0; i < count; ++i) some.push_back(values[i * values.size() / count]);
-  return some;
 }
 
 Expected<std::vector<LabelledPicture>> pictures_of(const RoomTest& test,

@@ -22,7 +22,7 @@ std::string warnings_section(const std::vector<std::string>& warnings) {
   return html + "</ul>\n</section>\n";
 }
 
-std::string summary_section(const std::vector<ReportContent::Figure>& summary) {
+std::string summary_section(const std::vector<NamedFigure>& summary) {
   if (summary.empty()) return "";
   std::string html = "<h2>Summary</h2>\n<dl class=\"figures\">\n";
   for (const auto& [name, value] : summary) {

@@ -7,6 +7,7 @@
 
 #include "roomwise/evaluation/confusion_matrix.h"
 #include "roomwise/evaluation/map_drawing.h"
+#include "roomwise/evaluation/report_page.h"
 #include "roomwise/evaluation/trajectory_error.h"
 
 namespace roomwise::evaluation {
@@ -14,10 +15,6 @@ namespace roomwise::evaluation {
 // What a report says about a home, as plain values. A part that is empty or absent is left out of
 // the page, or the page says that there is nothing.
 struct ReportContent {
-  struct Figure {
-    std::string name;   // "Key-frames"
-    std::string value;  // "212"
-  };
   struct Stage {
     std::string name;
     std::uint64_t calls = 0;
@@ -51,7 +48,7 @@ struct ReportContent {
 
   std::string home;                   // its name, the page's title
   std::vector<std::string> warnings;  // what the reader must know before trusting the rest
-  std::vector<Figure> summary;
+  std::vector<NamedFigure> summary;
   std::optional<TopView> map;
   std::vector<MapKeyFrame> key_frames;  // in the order of the walk
   std::vector<Room> rooms;

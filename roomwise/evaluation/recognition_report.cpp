@@ -88,10 +88,8 @@ SvgDrawing plot_precision_against_coverage(const Content& content) {
 std::string render_recognition_report(const Content& content) {
   std::string body = "<h2>Right and wrong</h2>\n" + rules_table(content);
   if (!content.figures.empty()) {
-    std::vector<std::vector<std::string>> rows;
-    for (const auto& [name, value] : content.figures) rows.push_back({name, value});
     body += "<h2>Places that were never learned</h2>\n" +
-            report_table("What was said of them", {"Figure", "Value"}, rows);
+            figure_table("What was said of them", content.figures);
   }
   body +=
       "<h2>Precision against coverage</h2>\n" +

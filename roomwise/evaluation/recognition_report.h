@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "roomwise/evaluation/confusion_matrix.h"
+#include "roomwise/evaluation/report_page.h"
 #include "roomwise/evaluation/score_ranking.h"
 #include "roomwise/evaluation/svg.h"
 #include "roomwise/image/image.h"
@@ -32,14 +33,10 @@ struct RecognitionReportContent {
     std::string answer;  // what was said
     std::string why;
   };
-  struct Figure {
-    std::string name;
-    std::string value;
-  };
 
   std::string title;
-  std::vector<std::string> notes;  // how it was measured
-  std::vector<Figure> figures;     // what else is to be said, of unknown pictures
+  std::vector<std::string> notes;    // how it was measured
+  std::vector<NamedFigure> figures;  // what else is to be said, of unknown pictures
   std::vector<Rule> rules;
   std::vector<Mistake> mistakes;
 };

@@ -138,6 +138,13 @@ std::string confusion_table(std::string_view rule, const ConfusionMatrix& confus
   return report_table(fmt::format("{}: a row for each true room", rule), columns, rows, 1, right);
 }
 
+std::string figure_table(std::string_view caption, const std::vector<NamedFigure>& figures,
+                         std::size_t text_columns) {
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [name, value] : figures) rows.push_back({name, value});
+  return report_table(caption, {"Figure", "Value"}, rows, text_columns);
+}
+
 std::string picture_list(const std::vector<PictureNote>& notes) {
   std::string html = "<ul class=\"pictures\">\n";
   for (const PictureNote& note : notes) {

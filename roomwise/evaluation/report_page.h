@@ -13,6 +13,11 @@
 // All texts are given as they are to be read.
 namespace roomwise::evaluation {
 
+// What is told of something, as a name and its value: "Key-frames", "212".
+struct NamedFigure {
+  std::string name, value;
+};
+
 // The whole page: the title as its heading, then a paragraph a note, then the body, which is HTML.
 [[nodiscard]] std::string report_page(std::string_view title, const std::vector<std::string>& notes,
                                       std::string_view body);
@@ -29,6 +34,10 @@ namespace roomwise::evaluation {
                                        const std::vector<std::vector<std::string>>& rows,
                                        std::size_t text_columns = 1,
                                        const std::vector<std::size_t>& highlighted = {});
+// The same of figures, under "Figure" and "Value".
+[[nodiscard]] std::string figure_table(std::string_view caption,
+                                       const std::vector<NamedFigure>& figures,
+                                       std::size_t text_columns = 1);
 // How often each room was taken for which, with precision and recall; empty where nothing was
 // counted. `rule`: whose answers they are.
 [[nodiscard]] std::string confusion_table(std::string_view rule, const ConfusionMatrix& confusion);

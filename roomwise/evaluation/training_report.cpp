@@ -103,10 +103,7 @@ std::string training_table(const TrainingReportContent& content) {
 }
 
 std::string render_training_report(const TrainingReportContent& content) {
-  std::vector<std::vector<std::string>> figures;
-  for (const auto& [name, value] : content.figures) figures.push_back({name, value});
-  std::string body = "<h2>Summary</h2>\n" +
-                     report_table("What was trained", {"Figure", "Value"}, figures, 2) +
+  std::string body = "<h2>Summary</h2>\n" + figure_table("What was trained", content.figures, 2) +
                      "<h2>Curves</h2>\n";
   if (content.points.empty()) {
     body += "<p>It ended before the network was looked at for the first time.</p>\n";

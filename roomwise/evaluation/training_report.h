@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "roomwise/evaluation/report_page.h"
 #include "roomwise/evaluation/svg.h"
 
 namespace roomwise::evaluation {
@@ -16,12 +17,8 @@ struct TrainingReportContent {
     double held_out_cross_entropy = 0;
     double held_out_precision = 0;
   };
-  struct Figure {
-    std::string name;   // "Pictures"
-    std::string value;  // "212"
-  };
   std::string network;  // its name, the page's title
-  std::vector<Figure> figures;
+  std::vector<NamedFigure> figures;
   std::vector<Point> points;
   double best_step = 0;
 };

@@ -7,6 +7,8 @@
 #include <set>
 #include <utility>
 
+#include "roomwise/base/spread.h"
+
 namespace roomwise::mapping {
 namespace {
 
@@ -140,11 +142,7 @@ class ViewJudge {
     for (const KeyframeId id : one) {
       if (auto near = nearest(id, other); !near.empty()) all.emplace_back(id, std::move(near));
     }
-    const std::size_t count = std::min(all.size(), options_.max_compared);
-    std::vector<std::pair<KeyframeId, std::vector<KeyframeId>>> chosen;
-    for (std::size_t i = 0; i < count; ++i)
-      chosen.push_back(std::move(all[i * all.size() / count]));
-    return chosen;
+    return spread_evenly(all, options_.max_compared);
   }
 
   const std::vector<RigidTransform>& poses_;

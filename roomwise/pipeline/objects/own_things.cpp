@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <numeric>
 
 #include "roomwise/base/calendar_time.h"
 #include "roomwise/base/median.h"
+#include "roomwise/base/spread.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/made_from.h"
 
@@ -13,14 +13,6 @@ namespace roomwise::pipeline {
 namespace {
 
 constexpr const char* kOwnThingsData = "own_things";
-
-template <typename Value>
-std::vector<Value> some_of(const std::vector<Value>& all, std::size_t max_count) {
-  if (all.size() <= max_count) return all;
-  std::vector<Value> some;
-  for (std::size_t i = 0; i < max_count; ++i) some.push_back(all[i * all.size() / max_count]);
-  return some;
-}
 
 // What is usual in the pictures of a home: learned from them by calibrate_own_things().
 struct OwnThingCalibration {
@@ -169,7 +161,7 @@ Expected<void> calibrate_own_things(home::Home& home, const Networks& networks,
         "what is usual there",
         home.file(), all.size(), objects::kMinCalibrationPictures);
   }
-  const std::vector<home::Keyframe> keyframes = some_of(all, kCalibrationPictures);
+  const std::vector<home::Keyframe> keyframes = spread_evenly(all, kCalibrationPictures);
   const objects::OwnThingModel& model = objects::OwnThingModel::built_in();
   OwnThingCalibration usual;
   {
@@ -293,21 +285,14 @@ Expected<OwnThingSightings> own_things_in(const OwnThingPicture& picture,
   return seen;
 }
 
-std::vector<std::size_t> pictures_to_look_at(std::size_t count) {
-  std::vector<std::size_t> all(count);
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  return some_of(all, kWalkPictures);
-}
-
 Expected<OwnThingSightings> find_own_things(const home::Home& home, home::RecordingId walk,
                                             const OwnThingWatch& watch, RunContext& run) {
   ROOMWISE_TRY(const auto all, home.keyframes());
   ROOMWISE_TRY(const auto cameras, recording_cameras(home));
-  std::vector<home::Keyframe> of_walk, looked_at;
-  for (const home::Keyframe& keyframe : all) {
-    if (keyframe.recording == walk) of_walk.push_back(keyframe);
-  }
-  for (const std::size_t i : pictures_to_look_at(of_walk.size())) looked_at.push_back(of_walk[i]);
+  std::vector<home::Keyframe> of_walk;
+  std::ranges::copy_if(all, std::back_inserter(of_walk),
+                       [&](const home::Keyframe& keyframe) { return keyframe.recording == walk; });
+  const std::vector<home::Keyframe> looked_at = spread_evenly(of_walk, kWalkPictures);
   OwnThingSightings last;
   ROOMWISE_CHECK_OK(for_each_keyframe(
       home, looked_at, "looking for what was taught", run,

@@ -81,10 +81,8 @@ struct OwnThingPicture {
 using OwnThingSightings = std::map<home::OwnThingId, home::OwnThingSighting>;
 [[nodiscard]] Expected<OwnThingSightings> own_things_in(const OwnThingPicture& picture,
                                                         const OwnThingWatch& watch);
-// Of `count` pictures of a walk those in which they are looked for: at most kWalkPictures, evenly
-// spread.
+// In how many pictures of a walk they are looked for at most, evenly spread.
 constexpr std::size_t kWalkPictures = 200;
-[[nodiscard]] std::vector<std::size_t> pictures_to_look_at(std::size_t count);
 
 // Looks for them on a walk that is mapped: where each was seen last.
 [[nodiscard]] Expected<OwnThingSightings> find_own_things(const home::Home& home,

@@ -124,9 +124,9 @@ double path_length_m(std::span<const recording::StampedPose> trajectory) {
   return length_m;
 }
 
-std::vector<ReportContent::Figure> summary(const Stored& stored, double path_m) {
+std::vector<evaluation::NamedFigure> summary(const Stored& stored, double path_m) {
   const auto loops = std::ranges::count_if(stored.edges, mapping::spans_long_loop);
-  std::vector<ReportContent::Figure> figures;
+  std::vector<evaluation::NamedFigure> figures;
   for (const home::StoredRecording& recording : stored.recordings) {
     figures.push_back({"Recording", recording.recording.name});
   }

@@ -1,7 +1,6 @@
 #include "roomwise/pipeline/rooms/find_places.h"
 
-#include <chrono>
-
+#include "roomwise/base/stopwatch.h"
 #include "roomwise/pipeline/in_blocks.h"
 
 namespace roomwise::pipeline {
@@ -19,11 +18,9 @@ Expected<std::optional<TimedPlace>> localize(const HomePlaces& places,
     ROOMWISE_TRY(read.emplace_back(), first.read_to_locate());
   }
   ROOMWISE_TRY(read.emplace_back(), second.read_to_locate());
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   ROOMWISE_TRY(rooms::LocalizationEvidence evidence, places.look(read, rooms));
-  const std::chrono::duration<double, std::milli> elapsed =
-      std::chrono::steady_clock::now() - start;
-  return TimedPlace{std::move(evidence), elapsed.count()};
+  return TimedPlace{std::move(evidence), watch.ms()};
 }
 
 }  // namespace

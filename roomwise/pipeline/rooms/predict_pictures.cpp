@@ -1,7 +1,6 @@
 #include "roomwise/pipeline/rooms/predict_pictures.h"
 
-#include <chrono>
-
+#include "roomwise/base/stopwatch.h"
 #include "roomwise/pipeline/in_blocks.h"
 
 namespace roomwise::pipeline {
@@ -15,11 +14,9 @@ Expected<std::vector<TimedPrediction>> predict_pictures(
   const auto predict = [&](std::size_t i, std::size_t) -> Expected<TimedPrediction> {
     ROOMWISE_TRY(const image::ColorImage picture, read(i));
     const auto timing = run.clock.measure("network " + network.name());
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     ROOMWISE_TRY(network::Prediction prediction, network.predict(picture));
-    const std::chrono::duration<double, std::milli> elapsed =
-        std::chrono::steady_clock::now() - start;
-    return TimedPrediction{std::move(prediction), elapsed.count()};
+    return TimedPrediction{std::move(prediction), watch.ms()};
   };
   const auto take = [&](std::size_t, TimedPrediction prediction) -> Expected<void> {
     predictions.push_back(std::move(prediction));

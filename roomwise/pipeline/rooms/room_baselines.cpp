@@ -1,9 +1,10 @@
 #include "roomwise/pipeline/rooms/room_baselines.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
+#include "roomwise/base/spread.h"
+#include "roomwise/base/stopwatch.h"
 #include "roomwise/evaluation/quantile.h"
 #include "roomwise/features/feature_extractor.h"
 #include "roomwise/image/resample.h"
@@ -45,25 +46,6 @@ Judgement top1_accuracy_of(std::size_t picture, const Scores& scores, std::strin
     judgement.why = fmt::format("{} {:.2f}", what, judgement.score);
   }
   return judgement;
-}
-
-class Clock {
- public:
-  [[nodiscard]] double ms() const {
-    const std::chrono::duration<double, std::milli> elapsed =
-        std::chrono::steady_clock::now() - start_;
-    return elapsed.count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-std::vector<std::size_t> spread_evenly(std::size_t count, std::size_t most) {
-  std::vector<std::size_t> chosen;
-  const std::size_t taken = std::min(count, most);
-  for (std::size_t i = 0; i < taken; ++i) chosen.push_back(i * count / taken);
-  return chosen;
 }
 
 // Which references vote: of each room some, spread evenly.
@@ -145,7 +127,7 @@ RuleResult by_colors(const std::vector<std::vector<float>>& histograms,
   RuleResult result{"baseline_colors", "baseline: most alike colours (HSV)", {}, 0, {}};
   std::vector<double> ms;
   for (std::size_t i = 0; i < histograms.size(); ++i) {
-    const Clock clock;
+    const Stopwatch watch;
     Scores scores;
     for (const Reference& reference : references) {
       double intersection = 0;
@@ -155,7 +137,7 @@ RuleResult by_colors(const std::vector<std::vector<float>>& histograms,
       scores[reference.room] = std::max(scores[reference.room], intersection);
     }
     result.judgements.push_back(top1_accuracy_of(i, scores, "colours in common"));
-    ms.push_back(made_ms[i] + clock.ms());
+    ms.push_back(made_ms[i] + watch.ms());
   }
   result.median_ms = evaluation::quantile(ms, 0.5);
   return result;
@@ -167,7 +149,7 @@ RuleResult by_nearest(std::span<const std::vector<float>> features,
       "baseline_nearest", "baseline: nearest features (time without the network)", {}, 0, {}};
   std::vector<double> ms;
   for (std::size_t i = 0; i < features.size(); ++i) {
-    const Clock clock;
+    const Stopwatch watch;
     const Eigen::VectorXf picture = rooms::unit_length(features[i]);
     Scores scores;
     for (const Reference& reference : references) {
@@ -175,7 +157,7 @@ RuleResult by_nearest(std::span<const std::vector<float>> features,
       scores[reference.room] = std::max(scores[reference.room], cosine);
     }
     result.judgements.push_back(top1_accuracy_of(i, scores, "cosine"));
-    ms.push_back(clock.ms());
+    ms.push_back(watch.ms());
   }
   result.median_ms = evaluation::quantile(ms, 0.5);
   return result;
@@ -218,11 +200,11 @@ Expected<RuleResult> by_vote(const std::vector<LabelledPicture>& pictures,
                     pictures[chosen[i]].name, color.width(), color.height(), camera.width,
                     camera.height);
       }
-      const Clock clock;
+      const Stopwatch watch;
       const auto points = without_depth(sift->extract(image::to_gray(color)), camera);
       Judgement judgement =
           top1_accuracy_of(chosen[i], vote(points, references, camera, chosen[i]), "inliers");
-      ms[i] = clock.ms();
+      ms[i] = watch.ms();
       return judgement;
     }();
   });
@@ -272,9 +254,9 @@ Expected<std::vector<RuleResult>> baseline_rules(const home::Home& home,
   std::vector<double> ms;
   for (const LabelledPicture& picture : pictures) {
     ROOMWISE_TRY(const image::ColorImage color, picture.read());
-    const Clock clock;
+    const Stopwatch watch;
     histograms.push_back(color_histogram(color));
-    ms.push_back(clock.ms());
+    ms.push_back(watch.ms());
   }
   std::vector<RuleResult> results;
   results.push_back(by_colors(histograms, references, ms));

@@ -1,8 +1,8 @@
 #include "roomwise/pipeline/rooms/room_evaluation.h"
 
 #include <algorithm>
-#include <chrono>
 
+#include "roomwise/base/stopwatch.h"
 #include "roomwise/evaluation/quantile.h"
 #include "roomwise/pipeline/rooms/find_places.h"
 #include "roomwise/pipeline/rooms/predict_pictures.h"
@@ -346,12 +346,9 @@ class Evaluator {
       auto named = named_.find(picture);
       if (named == named_.end()) {
         ROOMWISE_TRY(const image::ColorImage color, pictures_[picture].read());
-        const auto start = std::chrono::steady_clock::now();
+        const Stopwatch watch;
         ROOMWISE_TRY(network::Prediction prediction, recognizer_.naming()->predict(color));
-        const std::chrono::duration<double, std::milli> elapsed =
-            std::chrono::steady_clock::now() - start;
-        named =
-            named_.emplace(picture, TimedPrediction{std::move(prediction), elapsed.count()}).first;
+        named = named_.emplace(picture, TimedPrediction{std::move(prediction), watch.ms()}).first;
       }
       taken_ms += named->second.ms;
       return named->second.prediction;
@@ -380,8 +377,18 @@ class Evaluator {
   TimedPlaces of_pairs_;     // likewise
 };
 
-std::uint64_t block_of(const LabelledPicture& picture, bool by_walks) {
-  return by_walks ? picture.walk : picture.sequence;
+// How many of the judgements that count have the right room as the most probable one.
+template <typename Counts>
+evaluation::BlockedProportion share_right(const RuleResult& result,
+                                          const std::vector<LabelledPicture>& pictures,
+                                          bool by_walks, Counts counts) {
+  evaluation::BlockedProportion proportion;
+  for (const Judgement& judgement : result.judgements) {
+    if (!counts(judgement)) continue;
+    const LabelledPicture& picture = pictures[judgement.picture];
+    proportion.add(by_walks ? picture.walk : picture.sequence, judgement.best == picture.room);
+  }
+  return proportion;
 }
 
 }  // namespace
@@ -389,25 +396,13 @@ std::uint64_t block_of(const LabelledPicture& picture, bool by_walks) {
 evaluation::BlockedProportion precision_of(const RuleResult& result,
                                            const std::vector<LabelledPicture>& pictures,
                                            bool by_walks) {
-  evaluation::BlockedProportion proportion;
-  for (const Judgement& judgement : result.judgements) {
-    const LabelledPicture& picture = pictures[judgement.picture];
-    if (judgement.named) {
-      proportion.add(block_of(picture, by_walks), judgement.best == picture.room);
-    }
-  }
-  return proportion;
+  return share_right(result, pictures, by_walks, [](const Judgement& one) { return one.named; });
 }
 
 evaluation::BlockedProportion top1_accuracy_of(const RuleResult& result,
                                                const std::vector<LabelledPicture>& pictures,
                                                bool by_walks) {
-  evaluation::BlockedProportion proportion;
-  for (const Judgement& judgement : result.judgements) {
-    const LabelledPicture& picture = pictures[judgement.picture];
-    proportion.add(block_of(picture, by_walks), judgement.best == picture.room);
-  }
-  return proportion;
+  return share_right(result, pictures, by_walks, [](const Judgement&) { return true; });
 }
 
 evaluation::ConfusionMatrix confusion_of(const RuleResult& result,

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "roomwise/base/spread.h"
 #include "roomwise/mapping/frontend/mapper_options.h"
 #include "roomwise/pipeline/in_blocks.h"
 #include "roomwise/pipeline/mapping/home_localizer.h"
@@ -200,7 +201,7 @@ Expected<OwnThingSightings> find_own_things_of_visit(const home::Home& home,
                                                      const recording::Recording& recording,
                                                      const OwnThingWatch& watch, RunContext& run) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  const std::vector<std::size_t> looked_at = pictures_to_look_at(frames.placed.size());
+  const auto looked_at = spread_evenly(frames.placed.size(), kWalkPictures);
   OwnThingSightings last;
   ROOMWISE_CHECK_OK(in_blocks(
       looked_at.size(), "looking for what was taught", run,
