@@ -9,6 +9,7 @@
 
 #include "open_home.h"
 #include "qr_code.h"
+#include "roomwise/base/encodings.h"
 #include "roomwise/home/writer_lock.h"
 #include "roomwise/live/house.h"
 #include "roomwise/pipeline/stored/network_precision_key.h"
@@ -58,7 +59,7 @@ Expected<std::string> metrics_token(const fs::path& folder) {
   std::error_code error;
   if (!fs::exists(file, error)) {
     ROOMWISE_TRY(const Bytes random, service::random_bytes(32));
-    ROOMWISE_CHECK_OK(service::write_private_file(file, service::base64url(random)));
+    ROOMWISE_CHECK_OK(service::write_private_file(file, base64url(random)));
   }
   ROOMWISE_TRY(const Bytes bytes, read_file(file));
   std::string token(bytes.begin(), bytes.end());

@@ -465,7 +465,7 @@ bool House::looks_elsewhere(const std::string& name) const {
   return service::AccessRegister::looks_open(service::access_folder(file_of(name)));
 }
 
-tl::expected<service::Pairing, service::PairingRefusal> House::redeem(
+tl::expected<service::Pairing, service::Refusal> House::redeem(
     const std::string& name, const service::PairingAttempt& attempt) {
   const service::Now now = options_.clock();
   // Only who knows a code gets as far as to the home.

@@ -118,7 +118,7 @@ class House final : public service::HomesAtPort {
   // A place for a proof of digits by that peer; how long until there may be one, s.
   [[nodiscard]] tl::expected<service::ProofPlaces::Place, double> proof_place(
       const std::string& peer, const service::Now& now);
-  [[nodiscard]] tl::expected<service::Pairing, service::PairingRefusal> redeem(
+  [[nodiscard]] tl::expected<service::Pairing, service::Refusal> redeem(
       const std::string& name, const service::PairingAttempt& attempt);
   // Whether another process seems to have it. Touches nothing, and takes as long for any name.
   [[nodiscard]] bool looks_elsewhere(const std::string& name) const;

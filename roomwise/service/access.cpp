@@ -7,6 +7,7 @@
 #include <cmath>
 #include <system_error>
 
+#include "roomwise/base/encodings.h"
 #include "roomwise/service/private_folder.h"
 #include "roomwise/service/secrets.h"
 
@@ -79,8 +80,8 @@ Expected<void> AccessRegister::load() {
       });
 }
 
-tl::expected<Pairing, PairingRefusal> AccessRegister::redeem(const PairingAttempt& attempt,
-                                                             const Now& now) {
+tl::expected<Pairing, Refusal> AccessRegister::redeem(const PairingAttempt& attempt,
+                                                      const Now& now) {
   return door_->redeem(attempt, now,
                        [&](Role role, const std::string& name) { return add(role, name, now); });
 }

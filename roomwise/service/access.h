@@ -52,8 +52,8 @@ class AccessRegister {
   [[nodiscard]] double digits_wait_s(const Now& now) { return door_->digits_wait_s(now); }
 
   // Pairs whoever knows an open code.
-  [[nodiscard]] tl::expected<Pairing, PairingRefusal> redeem(const PairingAttempt& attempt,
-                                                             const Now& now);
+  [[nodiscard]] tl::expected<Pairing, Refusal> redeem(const PairingAttempt& attempt,
+                                                      const Now& now);
 
   // Pairs without a code: for who sits at the computer itself.
   [[nodiscard]] Expected<Pairing> pair_here(Role role, const std::string& name, const Now& now);

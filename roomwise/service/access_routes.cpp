@@ -12,21 +12,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-// A text member, or nothing where it is missing or no text.
-std::optional<std::string> text_member(const Json& json, const char* name) {
-  const auto found = json.find(name);
-  if (found == json.end() || !found->is_string()) return std::nullopt;
-  return found->get<std::string>();
-}
-
-HttpAnswer refusal_answer(const PairingRefusal& refusal) {
-  HttpAnswer answer = error_answer(refusal.status, refusal.message);
-  if (refusal.wait_s > 0) {
-    answer.headers.emplace_back("Retry-After", fmt::format("{}", refusal.wait_s));
-  }
-  return answer;
-}
-
 // Pages have the token in a cookie that scripts cannot read. Browsers keep cookies for 400 days at
 // most; each pairing has to be renewed after that.
 // A home's cookie is sent to that home alone.
@@ -40,14 +25,14 @@ using Context = const AccessRoutesContext&;
 HttpAnswer answer_pair(const RedeemCode& redeem, const HttpRequest& request) {
   const auto json = json_of(request);
   if (!json) return error_answer(400, json.error().message);
-  const std::string secret_proof = text_member(*json, "secret_proof").value_or("");
+  const std::string secret_proof = text_member(*json, "secret_proof");
   PairingAttempt attempt;
-  attempt.code = text_member(*json, "code").value_or("");
-  attempt.secret = text_member(*json, "secret").value_or("");
-  attempt.nonce = text_member(*json, "nonce").value_or("");
+  attempt.code = text_member(*json, "code");
+  attempt.secret = text_member(*json, "secret");
+  attempt.nonce = text_member(*json, "nonce");
   attempt.proves_secret = !secret_proof.empty();
-  attempt.proof = attempt.proves_secret ? secret_proof : text_member(*json, "proof").value_or("");
-  attempt.name = text_member(*json, "name").value_or("");
+  attempt.proof = attempt.proves_secret ? secret_proof : text_member(*json, "proof");
+  attempt.name = text_member(*json, "name");
   attempt.peer = peer_key(request.peer);
   auto pairing = redeem(request, attempt);
   if (!pairing) return refusal_answer(pairing.error());
@@ -105,7 +90,7 @@ HttpAnswer answer_code(Access access, Context context, const HttpRequest& reques
                        const Placeholders&) {
   const auto json = json_of(request);
   if (!json) return error_answer(400, json.error().message);
-  const auto role = parse_role(text_member(*json, "role").value_or(""));
+  const auto role = parse_role(text_member(*json, "role"));
   if (!role) return error_answer(400, "'role' must be \"device\" or \"helper\"");
   const Now now = context.clock();
   const auto code = access.make_code(*role, now);
@@ -155,7 +140,7 @@ HttpAnswer answer_rename(Access access, Context, const HttpRequest& request,
   if (!json) return error_answer(400, json.error().message);
   const auto device = number_of<std::int64_t>(values.at("device"));
   if (!device) return error_answer(404, "there is no such device");
-  const auto renamed = access.rename(*device, text_member(*json, "name").value_or(""));
+  const auto renamed = access.rename(*device, text_member(*json, "name"));
   if (!renamed) return error_answer(400, renamed.error().message);
   if (!*renamed) return error_answer(404, fmt::format("there is no device {}", *device));
   return json_answer(Json::object());

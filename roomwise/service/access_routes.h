@@ -30,8 +30,8 @@ struct AccessRoutesContext {
     std::function<std::optional<Authority>()> authority);
 
 // POST /api/pair, by what lets somebody in.
-using RedeemCode = std::function<tl::expected<Pairing, PairingRefusal>(const HttpRequest& request,
-                                                                       const PairingAttempt&)>;
+using RedeemCode = std::function<tl::expected<Pairing, Refusal>(const HttpRequest& request,
+                                                                const PairingAttempt&)>;
 [[nodiscard]] Route pairing_route(RedeemCode redeem);
 
 // pairing_route(), GET /api/me, POST /api/leave, GET /api/devices, DELETE /api/devices/{device},

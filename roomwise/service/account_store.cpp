@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "roomwise/base/encodings.h"
 #include "roomwise/service/http.h"
 #include "roomwise/service/secrets.h"
 
@@ -199,26 +200,25 @@ void AccountStore::end_try() {
   --trying_;
 }
 
-tl::expected<StaffSession, SignInRefusal> AccountStore::sign_in(const std::string& name,
-                                                                const std::string& password,
-                                                                const std::string& peer,
-                                                                const Now& now) {
+tl::expected<StaffSession, Refusal> AccountStore::sign_in(const std::string& name,
+                                                          const std::string& password,
+                                                          const std::string& peer, const Now& now) {
   const std::string counted = peer_key(peer);
   if (const std::int64_t wait_s = begin_try(counted, now.steady_s); wait_s > 0) {
     return tl::unexpected(
-        SignInRefusal{429, fmt::format("too many passwords are tried; wait {} s", wait_s), wait_s});
+        Refusal{429, fmt::format("too many passwords are tried; wait {} s", wait_s), wait_s});
   }
   auto session = try_password(name, password, counted, now);
   end_try();
   return session;
 }
 
-tl::expected<StaffSession, SignInRefusal> AccountStore::try_password(const std::string& name,
-                                                                     const std::string& password,
-                                                                     const std::string& peer,
-                                                                     const Now& now) {
+tl::expected<StaffSession, Refusal> AccountStore::try_password(const std::string& name,
+                                                               const std::string& password,
+                                                               const std::string& peer,
+                                                               const Now& now) {
   const auto refuse = [](int status, std::string message, std::int64_t wait_s = 0) {
-    return tl::unexpected(SignInRefusal{status, std::move(message), wait_s});
+    return tl::unexpected(Refusal{status, std::move(message), wait_s});
   };
   const auto cannot = [&](const Error& error) { return refuse(503, error.message); };
   // What can be nobody's name is asked for as the name that nobody has: whoever invents such ones

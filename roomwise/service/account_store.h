@@ -44,14 +44,6 @@ struct StaffSession {
   std::string token;  // handed out here and kept nowhere: only its hash is stored
 };
 
-// Why somebody could not sign in.
-struct SignInRefusal {
-  int status = 401;  // 401: name or password is wrong; 429: wait, nothing was tried; 503: the
-                     // accounts cannot be asked
-  std::string message;
-  std::int64_t wait_s = 0;
-};
-
 inline constexpr std::int64_t kStaffSession_s = 12 * 3600;
 
 // Wrong passwords that an address may try: an office whose staff sign in at once has room, and
@@ -78,10 +70,10 @@ class AccountStore {
   [[nodiscard]] Expected<std::vector<Account>> accounts();  // by name
 
   // ---- staff ----
-  [[nodiscard]] tl::expected<StaffSession, SignInRefusal> sign_in(const std::string& name,
-                                                                  const std::string& password,
-                                                                  const std::string& peer,
-                                                                  const Now& now);
+  [[nodiscard]] tl::expected<StaffSession, Refusal> sign_in(const std::string& name,
+                                                            const std::string& password,
+                                                            const std::string& peer,
+                                                            const Now& now);
   // Whose token that is; nothing where it is nobody's, or over.
   [[nodiscard]] Expected<std::optional<Account>> who(std::string_view token, const Now& now);
   [[nodiscard]] Expected<void> sign_out(std::string_view token);
@@ -100,10 +92,10 @@ class AccountStore {
   // Whether a password from there may be tried now, and if not, for how long.
   [[nodiscard]] std::int64_t begin_try(const std::string& peer, double now_s);
   void end_try();
-  [[nodiscard]] tl::expected<StaffSession, SignInRefusal> try_password(const std::string& name,
-                                                                       const std::string& password,
-                                                                       const std::string& peer,
-                                                                       const Now& now);
+  [[nodiscard]] tl::expected<StaffSession, Refusal> try_password(const std::string& name,
+                                                                 const std::string& password,
+                                                                 const std::string& peer,
+                                                                 const Now& now);
   [[nodiscard]] Expected<std::optional<std::int64_t>> id_of(const std::string& name);
   [[nodiscard]] Expected<std::int64_t> known(const std::string& name);
   [[nodiscard]] Expected<std::map<std::string, Role>> homes_of(std::int64_t account);

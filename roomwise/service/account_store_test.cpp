@@ -179,7 +179,7 @@ TEST(AccountStoreAloneTest, WhereTwoWaitToBeHeardOneMoreIsSentAway) {
   std::promise<void> let;
   const auto store = AccountStore::open(std::make_unique<HeldLink>(let.get_future().share()));
   ASSERT_OK(store);
-  std::promise<SignInRefusal> sent_away;
+  std::promise<Refusal> sent_away;
   std::atomic<int> wrong = 0;
   std::vector<std::jthread> many;
   for (int one = 0; one < 4; ++one) {
@@ -192,7 +192,7 @@ TEST(AccountStoreAloneTest, WhereTwoWaitToBeHeardOneMoreIsSentAway) {
       }
     });
   }
-  const SignInRefusal refusal = sent_away.get_future().get();
+  const Refusal refusal = sent_away.get_future().get();
   EXPECT_EQ(refusal.status, 429);
   EXPECT_EQ(refusal.wait_s, 1);
   let.set_value();

@@ -11,6 +11,7 @@
 #include <array>
 #include <cctype>
 
+#include "roomwise/base/encodings.h"
 #include "roomwise/service/allowed_hosts.h"
 #include "roomwise/service/private_file.h"
 #include "roomwise/service/private_folder.h"

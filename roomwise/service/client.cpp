@@ -20,6 +20,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "roomwise/base/encodings.h"
 #include "roomwise/service/http.h"
 #include "roomwise/service/pairing_proof.h"
 #include "roomwise/service/secrets.h"

@@ -1,3 +1,4 @@
+#include "roomwise/base/in_context.h"
 #include "roomwise/service/json_members.h"
 #include "roomwise/service/messages.h"
 
@@ -104,9 +105,7 @@ Expected<DeviceMessage> read_hello(const OrderedJson& json) {
   apply(read_settings(members), hello.settings);
   if (members.has("camera")) {
     if (const OrderedJson* const camera = members.object("camera")) {
-      auto read = read_camera(*camera);
-      if (!read) return Unexpected(std::move(read).error().in("'camera'"));
-      hello.camera = *std::move(read);
+      ROOMWISE_TRY(hello.camera, in_context("'camera'", read_camera(*camera)));
     }
   }
   return members.finish<DeviceMessage>(std::move(hello));

@@ -1,6 +1,7 @@
 #include <Eigen/Eigenvalues>
 #include <cstring>
 
+#include "roomwise/base/in_context.h"
 #include "roomwise/service/json_members.h"
 #include "roomwise/service/messages.h"
 
@@ -89,9 +90,7 @@ Expected<void> read_additions(const OrderedJson& json, FrameMessage& frame) {
     return members.has(name) ? members.object(name) : nullptr;
   };
   if (const OrderedJson* const camera = part("camera")) {
-    auto read = read_camera_of_frame(*camera);
-    if (!read) return Unexpected(std::move(read).error().in("'camera'"));
-    frame.camera = *std::move(read);
+    ROOMWISE_TRY(frame.camera, in_context("'camera'", read_camera_of_frame(*camera)));
   }
   if (const OrderedJson* const depth = part("depth")) {
     Members size(*depth);
@@ -99,9 +98,7 @@ Expected<void> read_additions(const OrderedJson& json, FrameMessage& frame) {
     if (size.error()) return Unexpected(Error(*size.error()).in("'depth'"));
   }
   if (const OrderedJson* const pose = part("pose")) {
-    auto read = read_pose(*pose);
-    if (!read) return Unexpected(std::move(read).error().in("'pose'"));
-    frame.pose = *std::move(read);
+    ROOMWISE_TRY(frame.pose, in_context("'pose'", read_pose(*pose)));
   }
   if (members.error()) return Unexpected(Error(*members.error()));
   return {};
@@ -161,10 +158,12 @@ Expected<FrameMessage> read_frame(std::span<const std::uint8_t> message) {
     return fail("the frame's header of {} bytes is too long", header_bytes);
   }
   const auto header = message.subspan(kPrefixBytes, header_bytes);
-  auto json =
-      parse_object({reinterpret_cast<const char*>(header.data()), header.size()}, kMaxHeaderBytes);
-  if (!json) return Unexpected(std::move(json).error().in("the frame's header"));
-  Members members(*json);
+  constexpr std::string_view kHeader = "the frame's header";
+  ROOMWISE_TRY(const OrderedJson json,
+               in_context(kHeader, parse_object({reinterpret_cast<const char*>(header.data()),
+                                                 header.size()},
+                                                kMaxHeaderBytes)));
+  Members members(json);
   const auto images = message.subspan(kPrefixBytes + header_bytes);
   const auto most = static_cast<std::int64_t>(images.size());
   FrameMessage frame;
@@ -177,11 +176,8 @@ Expected<FrameMessage> read_frame(std::span<const std::uint8_t> message) {
   }
   const bool has_version = members.has("version");
   const auto version = has_version ? members.whole("version", 1, kHeaderVersion) : 1;
-  if (members.error()) return Unexpected(Error(*members.error()).in("the frame's header"));
-  if (version > 1) {
-    auto added = read_additions(*json, frame);
-    if (!added) return Unexpected(std::move(added).error().in("the frame's header"));
-  }
+  if (members.error()) return Unexpected(Error(*members.error()).in(kHeader));
+  if (version > 1) ROOMWISE_CHECK_OK(in_context(kHeader, read_additions(json, frame)));
   frame.color = images.first(color_bytes);
   frame.depth = images.subspan(color_bytes);
   return frame;

@@ -43,6 +43,14 @@ HttpAnswer error_answer(int status, std::string_view what) {
   return json_answer({{"error", what}}, status);
 }
 
+HttpAnswer refusal_answer(const Refusal& refusal) {
+  HttpAnswer answer = error_answer(refusal.status, refusal.message);
+  if (refusal.wait_s > 0) {
+    answer.headers.emplace_back("Retry-After", fmt::format("{}", refusal.wait_s));
+  }
+  return answer;
+}
+
 HttpAnswer answer_to_a_mistake() {
   return error_answer(500, "the computer made a mistake with this request; it goes on");
 }
@@ -61,6 +69,11 @@ Expected<nlohmann::json> json_of(const HttpRequest& request) {
   if (json.is_discarded()) return fail("the body is not JSON");
   if (!json.is_object()) return fail("the body must be a JSON object, {{...}}");
   return json;
+}
+
+std::string text_member(const nlohmann::json& json, const char* name) {
+  const auto found = json.find(name);
+  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
 std::optional<std::string> percent_decoded(std::string_view text) {

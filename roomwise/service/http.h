@@ -44,11 +44,14 @@ struct HttpAnswer {
 [[nodiscard]] HttpAnswer text_answer(std::string_view text, int status = 200);
 // {"error": "what is wrong and how to mend it"}
 [[nodiscard]] HttpAnswer error_answer(int status, std::string_view what);
+[[nodiscard]] HttpAnswer refusal_answer(const Refusal& refusal);
 // To a request that a fault of the program's own broke off.
 [[nodiscard]] HttpAnswer answer_to_a_mistake();
 
 // The body as a JSON object, or why it is none.
 [[nodiscard]] Expected<nlohmann::json> json_of(const HttpRequest& request);
+// Its text of that name; empty where it is missing or no text.
+[[nodiscard]] std::string text_member(const nlohmann::json& json, const char* name);
 
 // "a%20b" to "a b"; nothing where a percent sign is not followed by two hexadecimal digits, or
 // where a zero byte would come of it.

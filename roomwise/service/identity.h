@@ -25,6 +25,13 @@ struct Identity {
   bool operator==(const Identity&) const = default;
 };
 
+// Why somebody is not let in: a device not paired, one of the staff not signed in.
+struct Refusal {
+  int status = 401;         // of the answer; 429: wait, nothing was tried
+  std::string message;      // for people
+  std::int64_t wait_s = 0;  // with 429
+};
+
 // Whether `who` may do what needs `role`; nothing needed: everyone may.
 [[nodiscard]] inline bool may(const std::optional<Identity>& who, std::optional<Role> role) {
   return !role || (who && who->role >= *role);

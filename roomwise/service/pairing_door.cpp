@@ -4,25 +4,26 @@
 #include <cmath>
 #include <optional>
 
+#include "roomwise/base/encodings.h"
 #include "roomwise/service/pairing_proof.h"
 #include "roomwise/service/secrets.h"
 
 namespace roomwise::service {
 namespace {
 
-PairingRefusal refusal_to_wait(double seconds) {
+Refusal refusal_to_wait(double seconds) {
   const auto wait_s = static_cast<std::int64_t>(std::ceil(seconds));
   return {429, fmt::format("too many wrong codes; wait {} s, then ask for a new code", wait_s),
           wait_s};
 }
 
-PairingRefusal refusal_of_proof(double seconds) {
+Refusal refusal_of_proof(double seconds) {
   const auto wait_s = static_cast<std::int64_t>(std::ceil(seconds));
   return {429, fmt::format("too many proofs at once; try again in {} s", wait_s), wait_s};
 }
 
-tl::unexpected<PairingRefusal> refuse(int status, std::string message) {
-  return tl::unexpected(PairingRefusal{status, std::move(message), 0});
+tl::unexpected<Refusal> refuse(int status, std::string message) {
+  return tl::unexpected(Refusal{status, std::move(message), 0});
 }
 
 std::string guesser(const PairingAttempt& attempt) {
@@ -120,8 +121,9 @@ Expected<PairingDoor::Judged> PairingDoor::judge(std::vector<Code> codes,
   return judged;
 }
 
-tl::expected<PairingDoor::Judged, PairingRefusal> PairingDoor::judge_digits(
-    std::vector<Code> codes, const PairingAttempt& attempt, const Now& now) {
+tl::expected<PairingDoor::Judged, Refusal> PairingDoor::judge_digits(std::vector<Code> codes,
+                                                                     const PairingAttempt& attempt,
+                                                                     const Now& now) {
   ProofPlaces::Place place;  // until it is judged
   if (!attempt.proof.empty()) {
     auto given = place_for(attempt.peer, now);
@@ -140,9 +142,9 @@ tl::expected<ProofPlaces::Place, double> PairingDoor::place_for(const std::strin
   return tl::unexpected(1.0);
 }
 
-tl::expected<Pairing, PairingRefusal> PairingDoor::let_in(const PairingAttempt& attempt, Code code,
-                                                          std::string proof, const Now& now,
-                                                          const Add& add) {
+tl::expected<Pairing, Refusal> PairingDoor::let_in(const PairingAttempt& attempt, Code code,
+                                                   std::string proof, const Now& now,
+                                                   const Add& add) {
   Expected<Pairing> pairing = add(code.role, attempt.name);
   if (!pairing) {
     const std::scoped_lock lock(guard_mutex_);
@@ -153,8 +155,8 @@ tl::expected<Pairing, PairingRefusal> PairingDoor::let_in(const PairingAttempt& 
   return *std::move(pairing);
 }
 
-tl::expected<Pairing, PairingRefusal> PairingDoor::redeem_secret(const PairingAttempt& attempt,
-                                                                 const Now& now, const Add& add) {
+tl::expected<Pairing, Refusal> PairingDoor::redeem_secret(const PairingAttempt& attempt,
+                                                          const Now& now, const Add& add) {
   std::vector<Code> codes;
   {
     const std::scoped_lock lock(guard_mutex_);
@@ -176,8 +178,9 @@ double PairingDoor::wait_s(const PairingAttempt& attempt, const Now& now) const 
                           : guard_.wait_s(attempt.peer, now.steady_s);
 }
 
-tl::expected<PairingDoor::Code, PairingRefusal> PairingDoor::count_digits(
-    const PairingAttempt& attempt, const Judged& judged, const Now& now) {
+tl::expected<PairingDoor::Code, Refusal> PairingDoor::count_digits(const PairingAttempt& attempt,
+                                                                   const Judged& judged,
+                                                                   const Now& now) {
   if (const double wait = wait_s(attempt, now); wait > 0) {
     return tl::unexpected(refusal_to_wait(wait));
   }
@@ -199,8 +202,8 @@ tl::expected<PairingDoor::Code, PairingRefusal> PairingDoor::count_digits(
   return *std::move(code);
 }
 
-tl::expected<Pairing, PairingRefusal> PairingDoor::redeem_digits(const PairingAttempt& attempt,
-                                                                 const Now& now, const Add& add) {
+tl::expected<Pairing, Refusal> PairingDoor::redeem_digits(const PairingAttempt& attempt,
+                                                          const Now& now, const Add& add) {
   if (attempt.proof.empty() && !is_code(attempt.code)) {
     return refuse(400, "'code' must be the six digits that the computer shows");
   }
@@ -215,7 +218,7 @@ tl::expected<Pairing, PairingRefusal> PairingDoor::redeem_digits(const PairingAt
   std::erase_if(codes, [](const Code& code) { return code.digits.empty(); });
   auto judged = judge_digits(std::move(codes), attempt, now);
   if (!judged) return tl::unexpected(std::move(judged).error());
-  tl::expected<Code, PairingRefusal> code;
+  tl::expected<Code, Refusal> code;
   {
     const std::scoped_lock lock(guard_mutex_);
     code = count_digits(attempt, *judged, now);
@@ -224,8 +227,8 @@ tl::expected<Pairing, PairingRefusal> PairingDoor::redeem_digits(const PairingAt
   return let_in(attempt, *std::move(code), std::move(judged->proof), now, add);
 }
 
-tl::expected<Pairing, PairingRefusal> PairingDoor::redeem(const PairingAttempt& attempt,
-                                                          const Now& now, const Add& add) {
+tl::expected<Pairing, Refusal> PairingDoor::redeem(const PairingAttempt& attempt, const Now& now,
+                                                   const Add& add) {
   if (!is_device_name(attempt.name)) {
     return refuse(400, "'name' must have 1 to 64 bytes, without control characters");
   }

@@ -37,13 +37,6 @@ struct Pairing {
   std::string proof;  // that the computer knows the code too; empty where the code itself was sent
 };
 
-// Why a device was not paired.
-struct PairingRefusal {
-  int status = 401;         // of the answer: 400, 401, 429, 500
-  std::string message;      // for people
-  std::int64_t wait_s = 0;  // with 429
-};
-
 // A name that can be spoken, shown and logged on one line.
 [[nodiscard]] bool is_device_name(std::string_view name);
 
@@ -109,34 +102,33 @@ class PairingDoor {
 
   // Whoever knows an open code is let in by `add`.
   using Add = std::function<Expected<Pairing>(Role role, const std::string& name)>;
-  [[nodiscard]] tl::expected<Pairing, PairingRefusal> redeem(const PairingAttempt& attempt,
-                                                             const Now& now, const Add& add);
+  [[nodiscard]] tl::expected<Pairing, Refusal> redeem(const PairingAttempt& attempt, const Now& now,
+                                                      const Add& add);
 
  private:
   using Code = PairingGuard::Code;
   struct Judged;
-  [[nodiscard]] tl::expected<Pairing, PairingRefusal> redeem_secret(const PairingAttempt& attempt,
-                                                                    const Now& now, const Add& add);
-  [[nodiscard]] tl::expected<Pairing, PairingRefusal> redeem_digits(const PairingAttempt& attempt,
-                                                                    const Now& now, const Add& add);
+  [[nodiscard]] tl::expected<Pairing, Refusal> redeem_secret(const PairingAttempt& attempt,
+                                                             const Now& now, const Add& add);
+  [[nodiscard]] tl::expected<Pairing, Refusal> redeem_digits(const PairingAttempt& attempt,
+                                                             const Now& now, const Add& add);
   [[nodiscard]] Expected<Judged> judge(std::vector<Code> codes,
                                        const PairingAttempt& attempt) const;
   // The same, with a place for what takes a while.
-  [[nodiscard]] tl::expected<Judged, PairingRefusal> judge_digits(std::vector<Code> codes,
-                                                                  const PairingAttempt& attempt,
-                                                                  const Now& now);
+  [[nodiscard]] tl::expected<Judged, Refusal> judge_digits(std::vector<Code> codes,
+                                                           const PairingAttempt& attempt,
+                                                           const Now& now);
   [[nodiscard]] tl::expected<ProofPlaces::Place, double> place_for(const std::string& peer,
                                                                    const Now& now);
   // How long that peer's digits are not heard, s. With guard_mutex_ held, as the next.
   [[nodiscard]] double wait_s(const PairingAttempt& attempt, const Now& now) const;
   // Counts what came of an attempt at digits: the code that is redeemed by it.
-  [[nodiscard]] tl::expected<Code, PairingRefusal> count_digits(const PairingAttempt& attempt,
-                                                                const Judged& judged,
-                                                                const Now& now);
+  [[nodiscard]] tl::expected<Code, Refusal> count_digits(const PairingAttempt& attempt,
+                                                         const Judged& judged, const Now& now);
   // Lets them in who know the code that was taken for them.
-  [[nodiscard]] tl::expected<Pairing, PairingRefusal> let_in(const PairingAttempt& attempt,
-                                                             Code code, std::string proof,
-                                                             const Now& now, const Add& add);
+  [[nodiscard]] tl::expected<Pairing, Refusal> let_in(const PairingAttempt& attempt, Code code,
+                                                      std::string proof, const Now& now,
+                                                      const Add& add);
 
   const PairingDoorOptions options_;
   ProofPlaces places_{1};

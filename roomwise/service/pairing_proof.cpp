@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "roomwise/base/encodings.h"
 #include "roomwise/service/secrets.h"
 
 namespace roomwise::service {

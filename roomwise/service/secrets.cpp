@@ -6,6 +6,8 @@
 
 #include <array>
 
+#include "roomwise/base/encodings.h"
+
 namespace roomwise::service {
 
 Expected<Bytes> random_bytes(std::size_t count) {
@@ -30,26 +32,6 @@ Expected<std::string> random_code() {
 
 bool equal_secrets(std::string_view a, std::string_view b) {
   return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
-}
-
-std::string base64url(std::span<const std::uint8_t> bytes) {
-  static constexpr std::string_view kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
-  std::string text;
-  std::uint32_t bits = 0;
-  int count = 0;
-  for (const std::uint8_t byte : bytes) {
-    bits = (bits << 8U) | byte;
-    for (count += 8; count >= 6; count -= 6) text += kDigits[(bits >> (count - 6)) & 63U];
-  }
-  if (count > 0) text += kDigits[(bits << (6 - count)) & 63U];
-  return text;
-}
-
-std::string hexadecimal(std::span<const std::uint8_t> bytes) {
-  std::string text;
-  for (const std::uint8_t byte : bytes) text += fmt::format("{:02x}", byte);
-  return text;
 }
 
 std::string fingerprint_of(const X509* certificate) {

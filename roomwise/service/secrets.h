@@ -20,8 +20,6 @@ namespace roomwise::service {
 // Takes as long for texts that differ early as for equal ones.
 [[nodiscard]] bool equal_secrets(std::string_view a, std::string_view b);
 
-[[nodiscard]] std::string base64url(std::span<const std::uint8_t> bytes);  // without padding
-[[nodiscard]] std::string hexadecimal(std::span<const std::uint8_t> bytes);
 // SHA-256 of a certificate (DER), hexadecimal.
 [[nodiscard]] std::string fingerprint_of(const X509* certificate);
 [[nodiscard]] std::string sha256_of(std::string_view text);  // hexadecimal

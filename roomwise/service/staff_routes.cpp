@@ -27,25 +27,18 @@ class StaffDesk {
   HttpAnswer sign_in(const HttpRequest& request) const {
     const auto json = json_of(request);
     if (!json) return error_answer(400, json.error().message);
-    const auto text = [&](const char* name) {
-      const auto found = json->find(name);
-      return found != json->end() && found->is_string() ? found->get<std::string>() : std::string();
-    };
     const Now now = context_.clock();
-    const auto session = accounts_.sign_in(text("name"), text("password"), request.peer, now);
+    const auto session = accounts_.sign_in(text_member(*json, "name"),
+                                           text_member(*json, "password"), request.peer, now);
     if (!session) {
-      const SignInRefusal& refusal = session.error();
+      const Refusal& refusal = session.error();
       if (refusal.status == 503) return unavailable(refusal.message);
       // What was typed in place of a name may be a password: it is not kept. Whoever was told to
       // wait tried nothing, and must not fill the log.
       if (refusal.status == 401) {
         note({now.unix_s, "somebody", "", "signed in", "refused", request.peer});
       }
-      HttpAnswer answer = error_answer(refusal.status, refusal.message);
-      if (refusal.wait_s > 0) {
-        answer.headers.emplace_back("Retry-After", fmt::format("{}", refusal.wait_s));
-      }
-      return answer;
+      return refusal_answer(refusal);
     }
     note({now.unix_s, session->account.name, "", "signed in", "done", request.peer});
     HttpAnswer answer = json_answer(told(session->account));
