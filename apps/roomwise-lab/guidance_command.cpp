@@ -49,6 +49,7 @@ double placed_share(const TrialSummary& summary) {
 
 Json to_json(const GuidedWalk& walk) {
   return {{"goal", walk.goal.goal.noun.name},
+          {"kind", trials::to_string(walk.goal.goal.kind)},
           {"offered", walk.is_offered},
           {"arrived", walk.arrived()},
           {"says_there", walk.says_there},
@@ -71,11 +72,20 @@ Json to_json(const GuidedWalk& walk) {
           {"blocked", walk.blocked}};
 }
 
+Json by_kind(const TrialSummary& summary) {
+  Json json = Json::object();
+  for (const auto& [kind, of_kind] : summary.by_kind) {
+    json[kind] = {{"goals", of_kind.goals}, {"arrived", of_kind.arrived}};
+  }
+  return json;
+}
+
 Json to_json(const TrialSummary& summary) {
   return {{"goals", summary.goals},
           {"offered", summary.offered},
           {"not_known", summary.goals - summary.offered},
           {"arrived", summary.arrived},
+          {"by_kind", by_kind(summary)},
           {"says_there_wrongly", summary.says_there_wrongly},
           {"spl", summary.spl},
           {"path_over_shortest", summary.path_ratio},
@@ -130,8 +140,14 @@ constexpr const char* kRendered =
     "pictures are drawn and sent to the home's computer, which has the map of a walk by day";
 
 std::string text_of(const TrialSummary& summary, const char* what) {
+  std::string kinds;
+  for (const auto& [kind, of_kind] : summary.by_kind) {
+    kinds += fmt::format("{}{} {} of {}", kinds.empty() ? "" : ", ", kind, of_kind.arrived,
+                         of_kind.goals);
+  }
   return fmt::format(
       "arrived         {} of {} (SPL {:.2f}); {} were told so and were not there\n"
+      "by goal         {}\n"
       "known           {} of the {} goals that the guide knows were arrived at; {} it does not "
       "know\n"
       "path            {:.2f} of the shortest, standard deviation {:.2f}; {:.0f} s\n"
@@ -142,8 +158,8 @@ std::string text_of(const TrialSummary& summary, const char* what) {
       "or "
       "more {} times\n"
       "{}\n",
-      summary.arrived, summary.goals, summary.spl, summary.says_there_wrongly, summary.arrived,
-      summary.offered, summary.goals - summary.offered, summary.path_ratio,
+      summary.arrived, summary.goals, summary.spl, summary.says_there_wrongly, kinds,
+      summary.arrived, summary.offered, summary.goals - summary.offered, summary.path_ratio,
       summary.path_ratio_deviation, summary.mean_s, summary.contacts_per_walk,
       summary.prompts_per_m, summary.prompts, summary.late, summary.wrong, summary.expired,
       summary.deviations_per_walk, summary.lost_per_walk, placed_share(summary), summary.pictures,

@@ -238,6 +238,22 @@ std::string_view to_string(Guide guide) {
   return "unknown";
 }
 
+std::string_view to_string(guide::Goal::Kind kind) {
+  switch (kind) {
+    case guide::Goal::Kind::kThing:
+      return "thing";
+    case guide::Goal::Kind::kRoom:
+      return "room";
+    case guide::Goal::Kind::kDoor:
+      return "door";
+    case guide::Goal::Kind::kWayOut:
+      return "way out";
+    case guide::Goal::Kind::kSpot:
+      return "spot";
+  }
+  return "unknown";
+}
+
 std::uint64_t seed_of_walk(const TrialOptions& options, std::uint64_t walk) {
   return options.seed * 1000 + walk;
 }
@@ -285,6 +301,9 @@ TrialSummary summarise(std::span<const GuidedWalk> walks) {
   int contacts = 0, deviations = 0, lost = 0;
   for (const GuidedWalk& walk : walks) {
     summary.offered += walk.is_offered ? 1 : 0;
+    KindSummary& of_kind = summary.by_kind[std::string(to_string(walk.goal.goal.kind))];
+    ++of_kind.goals;
+    of_kind.arrived += walk.arrived() ? 1 : 0;
     summary.over_stairs += walk.goal.is_over_stairs ? 1 : 0;
     summary.arrived_over_stairs += walk.goal.is_over_stairs && walk.arrived() ? 1 : 0;
     summary.says_there_wrongly += walk.says_there && !walk.is_there ? 1 : 0;

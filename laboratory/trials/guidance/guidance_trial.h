@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -78,10 +79,18 @@ struct GuidedWalk {
 [[nodiscard]] GuidedWalk lead_by(Leader& leader, const WalkedHome& home, const GuidedGoal& goal,
                                  const TrialOptions& options, std::uint64_t walk);
 
+// What is led to: "thing", "room", "door", "way out" or "spot".
+[[nodiscard]] std::string_view to_string(guide::Goal::Kind kind);
+
+struct KindSummary {
+  std::size_t goals = 0, arrived = 0;
+};
+
 struct TrialSummary {
   std::size_t goals = 0, offered = 0, arrived = 0;
-  std::size_t over_stairs = 0, arrived_over_stairs = 0;  // of goals on another storey
-  std::size_t says_there_wrongly = 0;                    // told so, and is not
+  std::map<std::string, KindSummary, std::less<>> by_kind;  // of goal; those there are
+  std::size_t over_stairs = 0, arrived_over_stairs = 0;     // of goals on another storey
+  std::size_t says_there_wrongly = 0;                       // told so, and is not
   double spl = 0;  // success weighted by path length: mean of arrived * shortest / max(both)
   // Of those who arrived: the path over the shortest one; mean, and standard deviation.
   double path_ratio = 0, path_ratio_deviation = 0;

@@ -87,6 +87,21 @@ TEST_F(GuidanceTrialTest, TheSameSeedGivesTheSameWalks) {
   }
 }
 
+TEST(TrialSummaryTest, ArrivalsAreCountedByKindOfGoal) {
+  std::vector<GuidedWalk> walks(4);
+  walks[0].says_there = walks[0].is_there = true;
+  walks[1].says_there = true;
+  walks[2].goal.goal.kind = walks[3].goal.goal.kind = guide::Goal::Kind::kRoom;
+  walks[3].says_there = walks[3].is_there = true;
+  for (GuidedWalk& walk : walks) walk.goal.shortest_m = walk.walked_m = 3;
+  const TrialSummary summary = summarise(walks);
+  ASSERT_EQ(summary.by_kind.size(), 2u);
+  EXPECT_EQ(summary.by_kind.at("thing").goals, 2u);
+  EXPECT_EQ(summary.by_kind.at("thing").arrived, 1u);
+  EXPECT_EQ(summary.by_kind.at("room").goals, 2u);
+  EXPECT_EQ(summary.by_kind.at("room").arrived, 1u);
+}
+
 TEST_F(GuidanceTrialTest, ThePageShowsEachWalkWithWhatWasHeard) {
   TrialOptions options;
   options.goals.goals = 2;
