@@ -847,6 +847,18 @@ std::optional<Prompt> Guidance::end_unseen(TimestampNs now_ns) {
   return say({"guide.there_unseen", goal}, now_ns, Confidence::kUnsure);
 }
 
+// "guide.lost_wait" asks who walks to stand, the others for a slow turn.
+Prompt Guidance::say_lost(const char* message, TimestampNs now_ns) {
+  Prompt prompt = waits_for_place_
+                      ? say({message}, now_ns, Confidence::kUnsure, kNoticeValid_s)
+                      : say_to_turn({message}, now_ns, Confidence::kUnsure, kNoticeValid_s);
+  if (waits_for_place_) turns_until_ns_ = 0;
+  prompt.sound = Sound::kLost;
+  return prompt;
+}
+
+// While somebody walks most pictures that tell of no place are a moment's; a slow turn costs more
+// than standing until the next one, and they face anywhere after it.
 std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
   const TimestampNs now_ns = walker.now_ns;
   if (state_ != State::kLost) {
@@ -864,16 +876,24 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
     steps_until_ns_ = 0;
     told_room_.reset();
     reminded_ = false;
-    Prompt prompt = say_to_turn({is_new ? "route.no_place" : "guide.lost"}, now_ns,
-                                Confidence::kUnsure, kNoticeValid_s);
-    prompt.sound = Sound::kLost;
-    return prompt;
+    // Who stands has waited already.
+    waits_for_place_ = !is_new && !stands;
+    return waits_for_place_ ? say_lost("guide.lost_wait", now_ns)
+                            : say_lost(is_new ? "route.no_place" : "guide.lost", now_ns);
   }
-  if (track_.pose(now_ns) != nullptr) {
+  if (const Pose* const pose = track_.pose(now_ns); pose != nullptr) {
     state_ = begun_ == 0 ? State::kBeginning : stairs_ ? State::kStairs : State::kStopped;
+    if (std::exchange(waits_for_place_, false)) {
+      return stairs_ ? std::nullopt : stopped(*pose, now_ns);  // what to do says enough
+    }
     Prompt prompt = say({"guide.found"}, now_ns);
     prompt.sound = Sound::kBack;
     return prompt;
+  }
+  if (waits_for_place_) {
+    if (silent_for_s(now_ns) < options_.lost_s) return std::nullopt;
+    waits_for_place_ = false;
+    return say_lost("route.no_place", now_ns);
   }
   if (auto prompt = by_rooms(walker)) return prompt;
   if (!reminded_ && silent_for_s(now_ns) > options_.remind_s) {
@@ -1069,6 +1089,7 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
   const Pose* const pose = track_.pose(now_ns);
   const bool is_led = pose != nullptr && !is_over() && state_ != State::kByRooms;
   const auto no_place = [&] {
+    waits_for_place_ = false;
     return say_to_turn({"route.no_place"}, now_ns, Confidence::kUnsure, kNoticeValid_s);
   };
   switch (request) {

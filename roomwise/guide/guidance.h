@@ -23,8 +23,9 @@ struct GuidanceOptions {
   double reassure_m = 5, reassure_s = 8;
   // Off the way: so far beside it or turned so far from it, for so long.
   double off_way_m = 1, off_way_degrees = 30, off_way_s = 2;
-  // Without a pose, of who walks or was told to, and of who stands: the slow turn that is asked for
-  // then costs more than waiting for the next picture that tells of one.
+  // Without a pose, of who walks or was told to, who is told to stand and wait as long again, and
+  // of who stands: the slow turn that is asked for then costs more than waiting for the next
+  // picture that tells of one.
   double lost_s = 4, lost_standing_s = 8;
   // From a person's edge to a thing that is reached, and a person's radius seen from above, m.
   double arrived_m = 0.3, body_radius_m = 0.25;
@@ -119,6 +120,7 @@ class Guidance {
     return leg_ + 1 < legs_.size() && legs_[leg_ + 1].stairs.has_value();
   }
   [[nodiscard]] MaybePrompt without_pose(const Walker& walker);
+  [[nodiscard]] Prompt say_lost(const char* message, TimestampNs now_ns);
   [[nodiscard]] double unseen_step_m() const;
   [[nodiscard]] bool may_step_unseen(TimestampNs now_ns) const;
   [[nodiscard]] bool may_end_unseen() const;
@@ -210,6 +212,7 @@ class Guidance {
   std::size_t leg_ = 0;
   int begun_ = 0;                   // how much of the beginning was said
   int finished_ = 0;                // how much of the end was said
+  bool waits_for_place_ = false;    // lost, and told to stand; not yet to turn
   bool should_be_there_ = false;    // was told so without a place
   TimestampNs steps_until_ns_ = 0;  // the steps that were asked for without a place; 0: none were
   TimestampNs turns_until_ns_ = 0;  // on the spot, as they were told to

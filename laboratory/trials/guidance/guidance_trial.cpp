@@ -197,7 +197,7 @@ class Walk {
     heard.is_late = events.waited_s > 1;
     if (next) heard.is_wrong = asks_wrongly(understand(*events.begun, wording_), walker_, *next);
     if (heard.message == "guide.off") ++record_.deviations;
-    if (heard.message == "guide.lost") ++record_.lost;
+    if (heard.message.starts_with("guide.lost")) ++record_.lost;
     record_.heard.push_back(std::move(heard));
   }
 

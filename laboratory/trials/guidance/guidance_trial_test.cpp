@@ -134,6 +134,7 @@ TEST(InstructionTest, IsWhatWordsAndNumbersSay) {
     EXPECT_NEAR(soon.turn_rad, std::numbers::pi / 3, 1e-9);
     EXPECT_EQ(heard("guide.off").kind, Kind::kStop);
     EXPECT_EQ(heard("guide.lost").kind, Kind::kLookAround);
+    EXPECT_EQ(heard("guide.lost_wait").kind, Kind::kStop);
     EXPECT_EQ(heard("guide.narrow").kind, Kind::kNothing);
   }
 }

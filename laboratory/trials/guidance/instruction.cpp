@@ -82,7 +82,8 @@ Instruction understand(const guide::Prompt& prompt, const guide::Wording& wordin
   if (message == "guide.lost" || message == "route.no_place") return {Kind::kLookAround};
   if (is("guide.stop") || is("guide.off") || is("guide.there") ||
       message == "guide.should_be_there" || message == "guide.near_end" ||
-      message == "guide.no_way_around" || message == "guide.found") {
+      message == "guide.no_way_around" || message == "guide.found" ||
+      message == "guide.lost_wait") {
     return {Kind::kStop};
   }
   return {};
