@@ -857,6 +857,13 @@ Prompt Guidance::say_lost(const char* message, TimestampNs now_ns) {
   return prompt;
 }
 
+void Guidance::become_lost() {
+  state_ = State::kLost;
+  steps_until_ns_ = 0;
+  told_room_.reset();
+  reminded_ = false;
+}
+
 // While somebody walks most pictures that tell of no place are a moment's; a slow turn costs more
 // than standing until the next one, and they face anywhere after it.
 std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
@@ -872,10 +879,7 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
     if (now_ns < steps_until_ns_) return std::nullopt;
     if (may_end_unseen()) return end_unseen(now_ns);
     if (may_step_unseen(now_ns)) return step_unseen(now_ns);
-    state_ = State::kLost;
-    steps_until_ns_ = 0;
-    told_room_.reset();
-    reminded_ = false;
+    become_lost();
     // Who stands has waited already.
     waits_for_place_ = !is_new && !stands;
     return waits_for_place_ ? say_lost("guide.lost_wait", now_ns)
@@ -883,8 +887,10 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
   }
   if (const Pose* const pose = track_.pose(now_ns); pose != nullptr) {
     state_ = begun_ == 0 ? State::kBeginning : stairs_ ? State::kStairs : State::kStopped;
-    if (std::exchange(waits_for_place_, false)) {
-      return stairs_ ? std::nullopt : stopped(*pose, now_ns);  // what to do says enough
+    if (std::exchange(waits_for_place_, false)) {  // they stand, and what to do says enough
+      const bool is_blocked = std::exchange(is_blocked_unseen_, false);
+      if (state_ != State::kStopped) return std::nullopt;
+      return is_blocked ? blocked(*pose, now_ns) : stopped(*pose, now_ns);
     }
     Prompt prompt = say({"guide.found"}, now_ns);
     prompt.sound = Sound::kBack;
@@ -892,7 +898,7 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
   }
   if (waits_for_place_) {
     if (silent_for_s(now_ns) < options_.lost_s) return std::nullopt;
-    waits_for_place_ = false;
+    waits_for_place_ = is_blocked_unseen_ = false;
     return say_lost("route.no_place", now_ns);
   }
   if (auto prompt = by_rooms(walker)) return prompt;
@@ -1021,11 +1027,11 @@ bool Guidance::is_in_reach(const Pose& pose) const {
          std::max(options_.arrived_m + options_.body_radius_m, at_end_m);
 }
 
-// What a cane found and no camera sees: a person's width across the way, as deep as a hand reaches
-// beyond a step.
-void Guidance::bar_what_is_ahead(const Pose& pose) {
-  const Vector2d middle = pose.place_of({options_.body_radius_m + 0.35, 0});
-  bar({&middle, 1}, options_.body_radius_m);
+// What a cane found and no camera sees: so broad across the way, from where it touched it.
+void Guidance::bar_what_is_ahead(const Pose& pose, double radius_m) {
+  constexpr double kTouched_m = 0.35;
+  const Vector2d middle = pose.place_of({kTouched_m + radius_m, 0});
+  bar({&middle, 1}, radius_m);
 }
 
 void Guidance::bar_what_is_seen() {
@@ -1084,14 +1090,51 @@ double Guidance::freer_side(const Pose& pose) const {
   return room_m(1) >= room_m(-1) ? 1 : -1;
 }
 
+// To who asks: no picture tells where they are. Who was seen a moment ago waits for the next one;
+// for others a slow turn finds one.
+Prompt Guidance::no_place(TimestampNs now_ns) {
+  is_blocked_unseen_ = false;
+  if (is_over() || state_ == State::kPaused) {
+    waits_for_place_ = false;
+    return say_lost("route.no_place", now_ns);
+  }
+  if (track_.pose(now_ns) != nullptr) return say({"route.none"}, now_ns, Confidence::kUnsure);
+  waits_for_place_ = track_.age_s(now_ns) < options_.lost_standing_s;
+  become_lost();
+  return say_lost(waits_for_place_ ? "guide.lost_wait" : "route.no_place", now_ns);
+}
+
+// Who says so stands before what a cane found. It is as broad as a body, or, where no way were left
+// then, as a hand: no more of it is known.
+Prompt Guidance::blocked(const Pose& pose, TimestampNs now_ns) {
+  // What is in the way at the end of the way is the goal, or what it stands on.
+  if (plan_.reach == Reach::kWhole && is_last_leg() && left_m(pose) < 2 * kLegEnd_m) {
+    // Unless they are farther from it than they could be, and have not tried yet.
+    if (is_in_reach(pose) || was_barred_here(pose)) return arrive(pose, now_ns);
+    count_barred(pose);
+  }
+  constexpr double kHandsBreadth_m = 0.1;
+  const auto known = barred_floor_;
+  for (const double radius_m : {options_.body_radius_m, kHandsBreadth_m}) {
+    barred_floor_ = known;
+    bar_what_is_ahead(pose, radius_m);
+    Prompt prompt = act(pose, now_ns);
+    if (plan_.reach == Reach::kWhole) return prompt;
+  }
+  // Not around it: what was known before holds again.
+  barred_floor_.reset();
+  count_barred(pose);
+  tries_side_ = freer_side(pose);
+  // Who comes no further after some tries is told what is left, and is not sent again.
+  if (barred_times_ > kMaxTries) return end_of_way(pose, now_ns);
+  state_ = State::kStopped;
+  return say({"guide.no_way_around"}, now_ns, Confidence::kUnsure);
+}
+
 Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
   if (state_ == State::kEnded) return say({"guide.not_running"}, now_ns);
   const Pose* const pose = track_.pose(now_ns);
   const bool is_led = pose != nullptr && !is_over() && state_ != State::kByRooms;
-  const auto no_place = [&] {
-    waits_for_place_ = false;
-    return say_to_turn({"route.no_place"}, now_ns, Confidence::kUnsure, kNoticeValid_s);
-  };
   switch (request) {
     case GuidanceRequest::kEnd:
       state_ = State::kEnded;
@@ -1109,15 +1152,14 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
       if (state_ == State::kPaused) return say({"guide.paused"}, now_ns);
       if (is_over()) {
         finished_ = goal_.kind == Goal::Kind::kRoom ? 1 : 0;
-        return pose == nullptr             ? no_place()
+        return pose == nullptr             ? no_place(now_ns)
                : state_ == State::kArrived ? arrive(*pose, now_ns)
                                            : end_of_way(*pose, now_ns);
       }
-      if (pose == nullptr) state_ = State::kLost;
       if (is_led && state_ == State::kStairs) return say_stairs(now_ns);
-      return is_led ? act(*pose, now_ns) : no_place();
+      return is_led ? act(*pose, now_ns) : no_place(now_ns);
     case GuidanceRequest::kHowFar:
-      if (!is_led) return no_place();
+      if (!is_led) return no_place(now_ns);
       if (legs_.empty()) plan_from(*pose);
       if (legs_.empty()) return say({"route.none"}, now_ns, Confidence::kUnsure);
       return say({"guide.far",
@@ -1125,34 +1167,20 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
                  now_ns);
     case GuidanceRequest::kNext: {
       if (state_ == State::kPaused) return say({"guide.paused"}, now_ns);
-      if (!is_led) return no_place();
+      if (!is_led) return no_place(now_ns);
       const auto phrase = next_phrase(*pose);
       return phrase ? say(*phrase, now_ns) : act(*pose, now_ns);
     }
     case GuidanceRequest::kBlocked: {
       if (state_ == State::kPaused) return say({"guide.paused"}, now_ns);
-      if (!is_led) return no_place();
-      if (state_ == State::kStairs) return say_stairs(now_ns);  // the steps themselves
-      // What is in the way at the end of the way is the goal, or what it stands on.
-      if (plan_.reach == Reach::kWhole && is_last_leg() && left_m(*pose) < 2 * kLegEnd_m) {
-        // Unless they are farther from it than they could be, and have not tried yet.
-        if (is_in_reach(*pose) || was_barred_here(*pose)) return arrive(*pose, now_ns);
-        count_barred(*pose);
-      }
-      bar_what_is_ahead(*pose);
-      Prompt prompt = act(*pose, now_ns);
-      if (plan_.reach == Reach::kWhole) return prompt;
-      // Not around it: what was known before holds again.
-      barred_floor_.reset();
-      count_barred(*pose);
-      tries_side_ = freer_side(*pose);
-      // Who comes no further after some tries is told what is left, and is not sent again.
-      if (barred_times_ > kMaxTries) return end_of_way(*pose, now_ns);
-      state_ = State::kStopped;
-      return say({"guide.no_way_around"}, now_ns, Confidence::kUnsure);
+      if (is_led && state_ == State::kStairs) return say_stairs(now_ns);  // the steps themselves
+      if (is_led) return blocked(*pose, now_ns);
+      Prompt prompt = no_place(now_ns);
+      is_blocked_unseen_ = state_ == State::kLost && waits_for_place_;
+      return prompt;
     }
   }
-  return no_place();
+  return no_place(now_ns);
 }
 
 }  // namespace roomwise::guide

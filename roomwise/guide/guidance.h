@@ -121,6 +121,9 @@ class Guidance {
   }
   [[nodiscard]] MaybePrompt without_pose(const Walker& walker);
   [[nodiscard]] Prompt say_lost(const char* message, TimestampNs now_ns);
+  [[nodiscard]] Prompt no_place(TimestampNs now_ns);
+  [[nodiscard]] Prompt blocked(const Pose& pose, TimestampNs now_ns);
+  void become_lost();
   [[nodiscard]] double unseen_step_m() const;
   [[nodiscard]] bool may_step_unseen(TimestampNs now_ns) const;
   [[nodiscard]] bool may_end_unseen() const;
@@ -164,7 +167,7 @@ class Guidance {
   [[nodiscard]] bool is_on_map(const Eigen::Vector2d& obstacle) const;
   [[nodiscard]] bool is_goal(const Eigen::Vector2d& obstacle) const;
   [[nodiscard]] bool is_in_reach(const Pose& pose) const;
-  void bar_what_is_ahead(const Pose& pose);
+  void bar_what_is_ahead(const Pose& pose, double radius_m);
   void bar_what_is_seen();
   void bar(std::span<const Eigen::Vector2d> middles, double radius_m);
   // That somebody came no further, about where they stand now.
@@ -213,6 +216,7 @@ class Guidance {
   int begun_ = 0;                   // how much of the beginning was said
   int finished_ = 0;                // how much of the end was said
   bool waits_for_place_ = false;    // lost, and told to stand; not yet to turn
+  bool is_blocked_unseen_ = false;  // said so meanwhile: it is told once their place is known
   bool should_be_there_ = false;    // was told so without a place
   TimestampNs steps_until_ns_ = 0;  // the steps that were asked for without a place; 0: none were
   TimestampNs turns_until_ns_ = 0;  // on the spot, as they were told to

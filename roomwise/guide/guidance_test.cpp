@@ -782,6 +782,52 @@ TEST_F(GuidanceTest, WhatSomebodyFindsInTheWayIsGoneAround) {
   EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I know no way around it.");
 }
 
+TEST_F(GuidanceTest, WhoIsBarredUnseenWaitsAndIsLedAroundItWhenTheyAreSeenAgain) {
+  lead_to(bed_at({3.3, 3.3}, "bedroom"), {0.6, 0.6}, kPi / 4);
+  (void)hear(8);
+  (void)hear(1, 0.6);
+  is_seen_ = false;
+  (void)hear(2);
+  EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I lost where you are. Stop and wait.");
+  is_seen_ = true;
+  const auto said = hear(5);
+  ASSERT_FALSE(said.empty());
+  EXPECT_THAT(said[0], AnyOf(StartsWith("Turn to"), StartsWith("A little")));
+}
+
+TEST_F(GuidanceTest, WhoAsksUnseenForLongIsToldToTurn) {
+  lead_to(room("kitchen"), {1, 3.45}, kPi);
+  (void)hear(9);
+  is_seen_ = false;
+  (void)hear(2);
+  EXPECT_EQ(ask(GuidanceRequest::kRepeat), "I lost where you are. Stop and wait.");
+  (void)hear(20);
+  EXPECT_EQ(ask(GuidanceRequest::kRepeat), "I do not know where you stand. Turn slowly.");
+}
+
+TEST_F(GuidanceTest, AskingUnseenDoesNotEndAPause) {
+  lead_to(room("kitchen"), {1, 3.45}, 0);
+  (void)hear(8);
+  (void)ask(GuidanceRequest::kPause);
+  is_seen_ = false;
+  (void)hear(2);
+  (void)ask(GuidanceRequest::kHowFar);
+  EXPECT_EQ(guidance_->state(), State::kPaused);
+}
+
+// In a corridor of 1.3 m nobody would pass a body in its midst.
+TEST_F(GuidanceTest, WhatIsInTheWayIsAsBroadAsAHandWhereNoWayWereLeftElse) {
+  grid_ = testing::Floor(100, 15).grid();
+  has_rooms_ = false;
+  Goal spot;
+  spot.kind = Goal::Kind::kSpot;
+  spot.noun = {Noun::Kind::kThing, "spot"};
+  spot.outline = Outline{{8, 0.75}};
+  lead_to(spot, {2, 0.75}, 0);
+  (void)hear(8);
+  EXPECT_THAT(ask(GuidanceRequest::kBlocked), AnyOf(StartsWith("Turn to"), StartsWith("A little")));
+}
+
 TEST_F(GuidanceTest, WhoComesNoFurtherIsToldTheRestAndNotSentAgain) {
   lead_to(room("kitchen"), {3.4, 3.45}, 0);
   (void)hear(8);
