@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -53,8 +54,63 @@ std::vector<std::vector<Vector2d>> connected_components(const std::vector<Vector
   return result;
 }
 
-// Whether something stands near one end of a border, not on the border's own side of it.
-bool is_framed_at(const FloorGrid& grid, const Vector2d& end, const Vector2d& outwards) {
+using Mask = image::Image<std::uint8_t>;  // by cell: not 0 where something holds
+
+// What is no floor and hangs together.
+struct Solid {
+  std::vector<Eigen::Vector2i> cells;
+  std::set<std::int16_t> rooms;  // whose floor lies beside it
+  bool is_at_edge = false;       // of the grid, beyond which nobody knows
+  Eigen::Vector2i least = Eigen::Vector2i::Constant(std::numeric_limits<int>::max());
+  Eigen::Vector2i most = Eigen::Vector2i::Constant(-1);
+};
+
+Solid solid_from(const Eigen::Vector2i& first, const FreeFloor& floor, const RoomCells& room_of,
+                 Mask& seen) {
+  Solid solid;
+  solid.cells.push_back(first);
+  seen.at(first.x(), first.y()) = 1;
+  for (std::size_t i = 0; i < solid.cells.size(); ++i) {
+    const Eigen::Vector2i cell = solid.cells[i];
+    solid.least = solid.least.cwiseMin(cell);
+    solid.most = solid.most.cwiseMax(cell);
+    for (int row = cell.y() - 1; row <= cell.y() + 1; ++row) {
+      for (int column = cell.x() - 1; column <= cell.x() + 1; ++column) {
+        if (!floor.contains(column, row)) {
+          solid.is_at_edge = true;
+        } else if (floor.at(column, row) != 0) {
+          solid.rooms.insert(room_of.at(column, row));
+        } else if (seen.at(column, row) == 0) {
+          seen.at(column, row) = 1;
+          solid.cells.emplace_back(column, row);
+        }
+      }
+    }
+  }
+  return solid;
+}
+
+// Where a wall may be, or what stands at one. What stands in the midst of floor is none, unless it
+// is longer than what people set up there, or three rooms meet at it.
+Mask walls_of(const FreeFloor& floor, const RoomCells& room_of, double cell_m) {
+  constexpr double kLongestThing_m = 2.5;  // a long sofa; a table for ten
+  Mask walls(floor.width(), floor.height(), 0), seen = walls;
+  for (int row = 0; row < floor.height(); ++row) {
+    for (int column = 0; column < floor.width(); ++column) {
+      if (floor.at(column, row) != 0 || seen.at(column, row) != 0) continue;
+      const Solid solid = solid_from({column, row}, floor, room_of, seen);
+      const double length_m =
+          cell_m * (solid.most - solid.least + Eigen::Vector2i::Ones()).cast<double>().norm();
+      if (!solid.is_at_edge && solid.rooms.size() < 3 && length_m < kLongestThing_m) continue;
+      for (const Eigen::Vector2i& cell : solid.cells) walls.at(cell.x(), cell.y()) = 1;
+    }
+  }
+  return walls;
+}
+
+// Whether a wall, or what stands at one, is near one end of a border, not on the border's own side.
+bool is_framed_at(const FloorGrid& grid, const Mask& walls, const Vector2d& end,
+                  const Vector2d& outwards) {
   // Who walks through leaves so much room, in which a cell may not have been seen.
   constexpr double kReach_m = 0.25;
   const Eigen::Array2d at = (end - grid.origin_m()) / grid.cell_m();
@@ -65,6 +121,7 @@ bool is_framed_at(const FloorGrid& grid, const Vector2d& end, const Vector2d& ou
   for (int row = first.y(); row <= last.y(); ++row) {
     for (int column = first.x(); column <= last.x(); ++column) {
       if (grid.at(column, row) != fusion::FloorCell::kOccupied) continue;
+      if (walls.at(column, row) == 0) continue;
       const Vector2d from_end = grid.cell_middle_m(column, row) - end;
       if (from_end.norm() <= kReach_m && from_end.dot(outwards) >= 0) return true;
     }
@@ -73,7 +130,8 @@ bool is_framed_at(const FloorGrid& grid, const Vector2d& end, const Vector2d& ou
 }
 
 // The two of them that lie farthest apart stand at the doorway's sides.
-Doorway doorway_across(const FloorGrid& grid, const std::vector<Vector2d>& border) {
+Doorway doorway_across(const FloorGrid& grid, const Mask& walls,
+                       const std::vector<Vector2d>& border) {
   const double cell_m = grid.cell_m();
   Doorway doorway;
   doorway.middle_gravity = border.front();
@@ -90,7 +148,9 @@ Doorway doorway_across(const FloorGrid& grid, const std::vector<Vector2d>& borde
   }
   doorway.middle_gravity = (from + to) / 2;
   doorway.width_m = widest + cell_m;
-  doorway.is_framed = is_framed_at(grid, from, from - to) && is_framed_at(grid, to, to - from);
+  doorway.along_rad = std::atan2(to.y() - from.y(), to.x() - from.x());
+  doorway.is_framed =
+      is_framed_at(grid, walls, from, from - to) && is_framed_at(grid, walls, to, to - from);
   return doorway;
 }
 
@@ -176,9 +236,10 @@ std::vector<Doorway> find_doorways(const FloorGrid& grid, const FreeFloor& floor
                                    const RoomCells& room_of, const NamedWalks& walks,
                                    const RoomLayoutOptions& options) {
   std::vector<Doorway> doorways;
+  const Mask walls = walls_of(floor, room_of, grid.cell_m());
   for (const auto& [pair, border] : borders(grid, floor, room_of)) {
     for (const auto& component : connected_components(border, grid.cell_m())) {
-      Doorway doorway = doorway_across(grid, component);
+      Doorway doorway = doorway_across(grid, walls, component);
       if (doorway.width_m < options.min_doorway_m) continue;
       doorway.rooms = {walks.names[static_cast<std::size_t>(pair.first)],
                        walks.names[static_cast<std::size_t>(pair.second)]};
@@ -290,7 +351,10 @@ void RoomLayout::add_doors(std::span<const LayoutEdit> edits, double unsure_path
       doorways_.push_back(said);
       continue;
     }
-    if (there->is_door()) said.width_m = there->width_m;
+    if (there->is_door()) {
+      said.width_m = there->width_m;
+      said.along_rad = there->along_rad;
+    }
     *there = said;
   }
   std::ranges::stable_sort(doorways_, {}, &Doorway::rooms);

@@ -34,14 +34,21 @@ struct Doorway {
   Eigen::Vector2d middle_gravity = Eigen::Vector2d::Zero();  // m
   // Of the free floor there; 0: the map shows none, but the walk led through, or somebody says so.
   double width_m = 0;
+  double along_rad = 0;    // from one side to the other, counter-clockwise from x; of a known width
   bool is_walked = false;  // the walk led through it, or somebody does who says so
   bool is_stairs = false;  // they lead to the other room, on another storey; the middle is below
-  // Something stands where the free floor ends on both sides, or somebody says that it is a door.
-  // Else the width is at least what was seen.
+  // A wall, or what stands at one, ends the free floor on both sides, or somebody says that it is a
+  // door: chairs and tables in the midst of floor frame none. Else the width is at least what was
+  // seen.
   bool is_framed = false;
 
   // What a hand can find: a door's frame, an opening in a wall. Else it is an open border.
   [[nodiscard]] bool is_door() const { return !is_stairs && is_framed && width_m <= kWidestDoor_m; }
+  // A walk led through, and no more floor was seen than a door has, nor a frame: rooms meet there,
+  // and nobody knows what stands beside it.
+  [[nodiscard]] bool is_opening() const {
+    return !is_stairs && !is_framed && is_walked && width_m > 0 && width_m <= kWidestDoor_m;
+  }
   [[nodiscard]] bool joins(const std::string& room) const {
     return rooms[0] == room || rooms[1] == room;
   }

@@ -154,13 +154,15 @@ TEST(RoomLayoutTest, WhatIsFarFromAllFloorBelongsToNoRoom) {
 TEST(RoomLayoutTest, AnOpeningThatNobodyWalkedThroughIsThereAllTheSame) {
   std::vector<std::string> rows = plan_of_two_rooms();
   for (std::size_t row = 13; row < 19; ++row) rows[row].replace(30, 2, "..");
+  const std::string with_wall = fmt::format("{:.<30}##{:.<30}", "", "");
+  rows.insert(rows.begin() + 11, 24, with_wall);
   const std::vector<WalkedPath> walks{walk_through(0)};
   const auto layout = RoomLayout::make(grid_of(rows), walks);
   ASSERT_OK(layout);
   ASSERT_EQ(layout->doorways().size(), 2U);
   EXPECT_TRUE(layout->doorways()[0].is_walked) << "the wider one, with the walk";
   EXPECT_FALSE(layout->doorways()[1].is_walked);
-  EXPECT_NEAR(layout->doorways()[1].middle_gravity.y(), 1.6, 0.11);
+  EXPECT_NEAR(layout->doorways()[1].middle_gravity.y(), 4, 0.11);
 }
 
 TEST(RoomLayoutTest, AGapThatNobodyFitsThroughIsNoDoorway) {
@@ -329,6 +331,77 @@ TEST(RoomLayoutTest, TheBorderOfRoomsThatAreOpenToEachOtherIsNoDoor) {
   ASSERT_EQ(layout->doorways().size(), 1U);
   EXPECT_FALSE(layout->doorways()[0].is_door());
   EXPECT_GT(layout->doorways()[0].width_m, 3);
+}
+
+// Dining room left of x = 4 m, lounge right of it, and what stands between them.
+RoomLayout open_rooms_with(const std::vector<std::string>& rows) {
+  WalkedPath path;
+  walk_to(path, {1, 2}, "dining room");
+  walk_to(path, {4.2, 2}, "dining room");
+  walk_to(path, {7, 2}, "lounge");
+  return RoomLayout::make(grid_of(rows), std::vector<WalkedPath>{path}).value();
+}
+
+TEST(RoomLayoutTest, TwoChairsOnAnOpenBorderMakeNoDoor) {
+  std::vector<std::string> rows = plan_of_an_open_floor();
+  for (const std::size_t from : {11U, 25U}) {
+    for (std::size_t row = from; row < from + 4; ++row) rows[row].replace(40, 4, "####");
+  }
+  const RoomLayout layout = open_rooms_with(rows);
+  ASSERT_FALSE(layout.doorways().empty());
+  for (const Doorway& doorway : layout.doorways()) EXPECT_FALSE(doorway.is_door());
+}
+
+TEST(RoomLayoutTest, WallsFrameADoorAlsoWhereDoorsAreAllAroundThem) {
+  // A wall of 2.8 m between two doors of the same rooms.
+  std::vector<std::string> rows = plan_of_an_open_floor();
+  for (std::size_t row = 0; row < 40; ++row) {
+    const bool is_door = (row >= 2 && row < 6) || (row >= 34 && row < 38);
+    if (!is_door) rows[row].replace(40, 2, "##");
+  }
+  WalkedPath path;
+  walk_to(path, {1, 0.4}, "dining room");
+  walk_to(path, {4.1, 0.4}, "dining room");
+  walk_to(path, {7, 0.4}, "lounge");
+  const auto two = RoomLayout::make(grid_of(rows), std::vector<WalkedPath>{path});
+  ASSERT_OK(two);
+  ASSERT_EQ(two->doorways().size(), 2U);
+  for (const Doorway& doorway : two->doorways()) EXPECT_TRUE(doorway.is_door());
+
+  // Shorter walls, at which three rooms meet.
+  rows = std::vector<std::string>(40, fmt::format("{:.<30}##{:.<30}", "", ""));
+  for (std::size_t row = 2; row < 12; ++row) rows[row].replace(30, 2, "..");
+  for (std::size_t row = 28; row < 38; ++row) rows[row].replace(30, 2, "..");
+  for (std::size_t row = 19; row < 21; ++row) {
+    rows[row].replace(32, 30, "############.........#########");
+  }
+  path.clear();
+  walk_to(path, {1, 0.7}, "hall");
+  walk_to(path, {3.1, 0.7}, "hall");
+  walk_to(path, {4.8, 0.7}, "kitchen");
+  walk_to(path, {4.8, 2}, "kitchen");
+  walk_to(path, {4.8, 3.3}, "lounge");
+  walk_to(path, {3.1, 3.3}, "lounge");
+  walk_to(path, {1, 3.3}, "hall");
+  const auto three = RoomLayout::make(grid_of(rows), std::vector<WalkedPath>{path});
+  ASSERT_OK(three);
+  ASSERT_EQ(three->doorways().size(), 3U);
+  for (const Doorway& doorway : three->doorways()) {
+    EXPECT_TRUE(doorway.is_door()) << doorway.rooms[0] << " - " << doorway.rooms[1];
+  }
+}
+
+TEST(RoomLayoutTest, AnOpeningIsWhereAWalkLedThroughAndNoFrameWasSeen) {
+  const std::vector<WalkedPath> walks{walk_through(0)};
+  const auto unseen = RoomLayout::make(grid_of(unseen_door()), walks);
+  ASSERT_OK(unseen);
+  EXPECT_TRUE(unseen->doorways().front().is_opening());
+  const auto seen = RoomLayout::make(grid_of(plan_of_two_rooms()), walks);
+  ASSERT_OK(seen);
+  EXPECT_FALSE(seen->doorways().front().is_opening()) << "a door";
+  EXPECT_NEAR(std::abs(std::sin(seen->doorways().front().along_rad)), 1, 0.03) << "along y";
+  const RoomLayout open = open_rooms_with(plan_of_an_open_floor());
+  EXPECT_FALSE(open.doorways().front().is_opening()) << "rooms that are open to each other";
 }
 
 TEST(RoomLayoutTest, ADoorThatSomebodyAddsIsTheDoorAtAPlaceThatShowsNone) {
