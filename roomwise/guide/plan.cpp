@@ -218,8 +218,7 @@ Goal Goal::of(const rooms::Doorway& door) {
   goal.kind = Kind::kDoor;
   goal.noun = {Noun::Kind::kThing, "door"};
   goal.room = door.rooms[0];
-  // As wide as it is: who stands before its frame is at it.
-  goal.outline = Outline{door.middle_gravity, Vector2d::Constant(door.width_m)};
+  goal.outline = Outline{door.middle_gravity, {door.width_m, 0}, door.along_rad};
   return goal;
 }
 

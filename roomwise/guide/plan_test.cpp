@@ -132,6 +132,16 @@ TEST_F(TwoRoomsTest, ADoorIsReachedFromWhereOneIs) {
   }
 }
 
+// It stands in the wall between the rooms, which is along y.
+TEST_F(TwoRoomsTest, ADoorIsAsWideAsItIsAndLiesAlongItsWall) {
+  const Outline door = *Goal::of(layout.doorways()[0]).outline;
+  EXPECT_NEAR(door.size_m.x(), 0.9, 0.11);
+  EXPECT_EQ(door.size_m.y(), 0);
+  EXPECT_NEAR(door.distance_m({3.5, 3.45}), 0.55, 0.11) << "before it";
+  EXPECT_NEAR(door.distance_m({4.05, 3.1}), 0, 0.11) << "at its side";
+  EXPECT_NEAR(door.nearest_to({4.05, 1}).y(), 3, 0.11);
+}
+
 TEST_F(TwoRoomsTest, WhereNoSafeWayIsKnownItEndsAsNearAsOneGets) {
   // Nobody ever saw the floor around the bed in the kitchen.
   draw(testing::two_rooms().fill({58, 1}, {80, 39}, FloorCell::kUnknown));

@@ -161,9 +161,8 @@ class GoalChooser {
     const auto doors = guide::doors_of(map_.layout.doorways());
     if (doors.empty()) return std::nullopt;
     const rooms::Doorway& door = doors[random_.index(doors.size())];
-    // As wide as it is: who is between its jambs, or before them, is at the door.
-    return GuidedGoal{guide::Goal::of(door),
-                      guide::Outline{door.middle_gravity, Vector2d::Constant(door.width_m)}};
+    // Who is between its jambs, or before them, is at the door.
+    return GuidedGoal{guide::Goal::of(door), guide::Goal::of(door).outline};
   }
   [[nodiscard]] std::optional<GuidedGoal> way_out() {
     if (!map_.way_out) return std::nullopt;
