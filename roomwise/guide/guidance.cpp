@@ -77,7 +77,7 @@ Guidance::Guidance(const HomeMap& map, Goal goal, const Wording& wording,
       goal_(std::move(goal)),
       wording_(wording),
       options_(options),
-      doors_(doors_of(map.doorways)) {}
+      doorways_(map.doorways.begin(), map.doorways.end()) {}
 
 // ---- saying ----
 
@@ -140,7 +140,7 @@ void Guidance::plan_from(const Pose& pose) {
   HomeMap map = map_;
   if (map.floor != nullptr) map.floor = &floor();
   plan_ = plan_way(map, {.pose = pose, .room = room_}, goal_, options_.plan);
-  legs_ = legs_of(plan_.route, doors_, known_stairs());
+  legs_ = legs_of(plan_.route, doorways_, known_stairs());
   if (plan_.reach == Reach::kWhole) reach_out();
   leg_ = 0;
   // What is left of a leg that ends here is done.
@@ -242,9 +242,20 @@ bool Guidance::goes_straight_on() const {
          std::abs(turn_rad(legs_[leg_].heading_rad(), legs_[leg_ + 1].heading_rad())) < kNoTurn_rad;
 }
 
+// Of an opening that ends a leg.
+std::optional<std::string> Guidance::room_beyond(const Leg& leg) const {
+  if (leg.opening == nullptr) return std::nullopt;
+  const Vector2d step =
+      kBeyondDoor_m * Vector2d(std::cos(leg.heading_rad()), std::sin(leg.heading_rad()));
+  auto room = map_.room_at(leg.to + step);
+  const bool is_other = room && room != map_.room_at(leg.to - step);
+  return is_other && leg.opening->joins(*room) ? room : std::nullopt;
+}
+
 std::optional<Noun> Guidance::place_at_end(const Leg& leg, bool is_last) const {
   if (is_last && plan_.reach == Reach::kWhole) return goal_.noun;
   if (leg.ends_at_door) return Noun{Noun::Kind::kThing, "door"};
+  if (const auto room = room_beyond(leg)) return Noun{Noun::Kind::kRoom, *room};
   std::optional<Noun> nearest;
   double nearest_m = kHand_m + options_.body_radius_m;
   for (const KnownThing& thing : map_.things) {
@@ -507,15 +518,14 @@ std::optional<Prompt> Guidance::at_leg_end(const Pose& pose, TimestampNs now_ns)
   // Nobody walks into stairs that they have not been told of.
   if (is_next_leg_stairs()) return stop("guide.stop", now_ns);
   if (goes_straight_on()) {
-    const bool was_door = legs_[leg_].ends_at_door;
-    ++leg_;
+    const Leg& done = legs_[leg_++];
     announced_ = false;
-    if (!was_door) return std::nullopt;
-    return say({"guide.through",
-                {{"place", thing("door")},
-                 {"distance",
-                  distance(left_when_heard_m((legs_[leg_].to - pose.position_gravity).norm()))}}},
-               now_ns);
+    const auto into = room_beyond(done);
+    if (!done.ends_at_door && !into) return std::nullopt;
+    const std::string left =
+        distance(left_when_heard_m((legs_[leg_].to - pose.position_gravity).norm()));
+    if (into) return say({"guide.into", {{"room", room(*into)}, {"distance", left}}}, now_ns);
+    return say({"guide.through", {{"place", thing("door")}, {"distance", left}}}, now_ns);
   }
   state_ = State::kCorner;
   return std::nullopt;
@@ -584,6 +594,9 @@ std::optional<Phrase> Guidance::next_phrase(const Pose& pose, double spoken_s) c
     return Phrase{stairs_message("stairs.soon", *legs_[leg_ + 1].stairs), {{"distance", left}}};
   }
   if (goes_straight_on()) {
+    if (const auto into = room_beyond(leg)) {
+      return Phrase{"guide.soon_into", {{"distance", left}, {"room", room(*into)}}};
+    }
     if (!leg.ends_at_door) return std::nullopt;
     return Phrase{"guide.soon_through", {{"distance", left}, {"place", thing("door")}}};
   }

@@ -181,7 +181,8 @@ class Guidance {
   [[nodiscard]] double bearing_error_rad(const Pose& pose) const;
   [[nodiscard]] bool goes_straight_on() const;  // after this leg
   [[nodiscard]] bool is_last_leg() const { return leg_ + 1 >= legs_.size(); }
-  // What a hand finds at the end of the leg.
+  [[nodiscard]] std::optional<std::string> room_beyond(const Leg& leg) const;
+  // What a hand finds at the end of the leg, or the room that begins there.
   [[nodiscard]] std::optional<Noun> place_at_end(const Leg& leg, bool is_last) const;
   [[nodiscard]] std::optional<Phrase> next_phrase(const Pose& pose,
                                                   double spoken_s = kSpoken_s) const;
@@ -195,7 +196,7 @@ class Guidance {
   const Goal goal_;
   const Wording wording_;
   const GuidanceOptions options_;
-  const std::vector<rooms::Doorway> doors_;
+  const std::vector<rooms::Doorway> doorways_;
 
   State state_ = State::kBeginning;
   WalkerTrack track_;

@@ -143,6 +143,20 @@ TEST_F(GuidanceTest, ADoorThatOneWalksThroughIsAnnouncedAndPassed) {
   EXPECT_THAT(hear(20), IsEmpty());
 }
 
+// Nobody looked to where its frame stands.
+TEST_F(GuidanceTest, WhereAWalkLedThroughAndNoFrameWasSeenTheRoomBeyondIsTold) {
+  grid_ = testing::two_rooms().fill({40, 20}, {41, 30}, FloorCell::kUnknown).grid();
+  layout_ = testing::layout_of_two_rooms(grid_);
+  ASSERT_TRUE(layout_.doorways()[0].is_opening());
+  lead_to(bed_at({7.6, 3.3}, "kitchen"), {1, 3.45}, 0);
+  EXPECT_THAT(hear(8), ::testing::Contains("Straight on, 6 steps to the kitchen."));
+  const auto said = hear(7, 0.6);
+  ASSERT_GE(said.size(), 2U);
+  EXPECT_EQ(said[0], "In 2 steps you are in the kitchen.");
+  EXPECT_THAT(said[1], StartsWith("Now in the kitchen, "));
+  EXPECT_THAT(said, Not(::testing::Contains(HasSubstr("door"))));
+}
+
 TEST_F(GuidanceTest, TheNextActionIsAnnouncedOneAndAHalfToThreeMetresBefore) {
   lead_to(bed_at({7.2, 0.8}, "kitchen"), {0.6, 3.45}, 0);
   (void)hear(8);

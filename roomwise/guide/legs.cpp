@@ -27,6 +27,7 @@ std::optional<Vector2d> door_on(const Vector2d& from, const Vector2d& to,
 // A leg from each corner to the next, in parts where it leads through doors.
 std::vector<Leg> parts_of(const Route& route, std::span<const rooms::Doorway> doors,
                           std::span<const fusion::Staircase> stairs) {
+  using Passed = std::pair<Vector2d, const rooms::Doorway*>;
   std::vector<Leg> legs;
   for (std::size_t i = 1; i < route.size(); ++i) {
     Vector2d from = route[i - 1];
@@ -34,15 +35,16 @@ std::vector<Leg> parts_of(const Route& route, std::span<const rooms::Doorway> do
       legs.push_back({from, route[i], over->stairs.run_m, false, over});
       continue;
     }
-    std::vector<Vector2d> places;
+    std::vector<Passed> passed;
     for (const rooms::Doorway& door : doors) {
-      if (!door.is_door()) continue;
-      if (const auto place = door_on(from, route[i], door)) places.push_back(*place);
+      if (!door.is_door() && !door.is_opening()) continue;
+      if (const auto place = door_on(from, route[i], door)) passed.emplace_back(*place, &door);
     }
-    std::ranges::sort(places, {},
-                      [&](const Vector2d& place) { return (place - route[i - 1]).norm(); });
-    for (const Vector2d& place : places) {
-      legs.push_back({from, place, (place - from).norm(), true, {}});
+    std::ranges::sort(passed, {},
+                      [&](const Passed& one) { return (one.first - route[i - 1]).norm(); });
+    for (const auto& [place, door] : passed) {
+      const bool is_door = door->is_door();
+      legs.push_back({from, place, (place - from).norm(), is_door, {}, is_door ? nullptr : door});
       from = place;
     }
     legs.push_back({from, route[i], (route[i] - from).norm(), false, {}});
@@ -62,11 +64,11 @@ std::vector<Leg> legs_of(const Route& route, std::span<const rooms::Doorway> doo
   std::vector<Leg> result;
   for (const Leg& leg : parts_of(route, doors, stairs)) {
     const bool is_apart = leg.stairs || (!result.empty() && result.back().stairs);
-    if (!result.empty() && !result.back().ends_at_door && !is_apart) {
+    if (!result.empty() && !result.back().ends_between_rooms() && !is_apart) {
       Leg& last = result.back();
       const double turn = turn_rad(last.heading_rad(), leg.heading_rad());
       if (std::abs(turn) < kNoTurn_rad || std::min(last.length_m, leg.length_m) < kShortLeg_m) {
-        last = {last.from, leg.to, last.length_m + leg.length_m, leg.ends_at_door, {}};
+        last = {last.from, leg.to, last.length_m + leg.length_m, leg.ends_at_door, {}, leg.opening};
         continue;
       }
     }

@@ -20,15 +20,17 @@ struct Leg {
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
   double length_m = 0;  // along corners that are not spoken of
   bool ends_at_door = false;
-  std::optional<StairsOnWay> stairs = {};  // it leads over them, to another part of the plan
+  std::optional<StairsOnWay> stairs = {};   // it leads over them, to another part of the plan
+  const rooms::Doorway* opening = nullptr;  // at which it ends, see Doorway::is_opening
 
+  [[nodiscard]] bool ends_between_rooms() const { return ends_at_door || opening != nullptr; }
   // Counter-clockwise from x.
   [[nodiscard]] double heading_rad() const;
 };
 
-// The legs of a way: corners and doors (of the `doorways`) end one. Corners that hardly turn, and
-// legs shorter than a step, are joined with what comes after them, unless there is a door between.
-// Stairs are a leg.
+// The legs of a way: corners, doors and openings (of the `doorways`) end one. Corners that hardly
+// turn, and legs shorter than a step, are joined with what comes after them, unless rooms meet
+// between. Stairs are a leg. Borrows from the doorways.
 [[nodiscard]] std::vector<Leg> legs_of(const Route& route, std::span<const rooms::Doorway> doorways,
                                        std::span<const fusion::Staircase> stairs = {});
 

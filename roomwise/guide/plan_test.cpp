@@ -182,6 +182,23 @@ TEST_F(TwoRoomsTest, WithoutAPlaceTheRoomsAreTold) {
   EXPECT_EQ(this->plan(standing_at({1, 1}), unknown).reach, Reach::kRooms);
 }
 
+TEST(LegsTest, DoorsAndOpeningsEndLegsAndOpenBordersDoNot) {
+  rooms::Doorway door{.rooms = {"hall", "kitchen"}, .width_m = 0.9, .is_framed = true};
+  rooms::Doorway opening{.rooms = {"kitchen", "lounge"}, .width_m = 0.8, .is_walked = true};
+  rooms::Doorway border{.rooms = {"dining room", "lounge"}, .width_m = 3, .is_walked = true};
+  door.middle_gravity = {1, 0};
+  opening.middle_gravity = {3, 0};
+  border.middle_gravity = {5, 0};
+  const std::vector doorways{border, opening, door};
+  const auto legs = legs_of({{0, 0}, {7, 0}}, doorways);
+  ASSERT_EQ(legs.size(), 3U);
+  EXPECT_TRUE(legs[0].ends_at_door);
+  EXPECT_FALSE(legs[1].ends_at_door);
+  EXPECT_EQ(legs[1].opening, &doorways[1]);
+  EXPECT_NEAR(legs[1].to.x(), 3, 1e-9);
+  EXPECT_FALSE(legs[2].ends_between_rooms());
+}
+
 TEST(DoorsTest, BordersOfOpenAreasAreNoDoors) {
   rooms::Doorway open, door, wide;
   door.width_m = 0.9;

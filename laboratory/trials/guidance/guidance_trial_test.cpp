@@ -135,6 +135,10 @@ TEST(InstructionTest, IsWhatWordsAndNumbersSay) {
     EXPECT_EQ(heard("guide.off").kind, Kind::kStop);
     EXPECT_EQ(heard("guide.lost").kind, Kind::kLookAround);
     EXPECT_EQ(heard("guide.lost_wait").kind, Kind::kStop);
+    const guide::Values into{{"distance", "3 steps"}, {"room", guide::room("bedroom 2")}};
+    EXPECT_EQ(heard("guide.into", into).kind, Kind::kWalk);
+    EXPECT_EQ(heard("guide.into", into).distance_m, 1.5);
+    EXPECT_EQ(heard("guide.soon_into", into).distance_m, 2.5);
     EXPECT_EQ(heard("guide.narrow").kind, Kind::kNothing);
   }
 }

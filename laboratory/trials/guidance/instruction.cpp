@@ -70,7 +70,10 @@ Instruction understand(const guide::Prompt& prompt, const guide::Wording& wordin
   if (is("stairs.soon_")) return {Kind::kWalk, 0, metres_of(number(0), wording)};
   if (is("stairs.")) return {Kind::kStop};  // is told to have arrived on the other storey
   if (message == "guide.small_step") return {Kind::kWalk, 0, kSmallStep_m};
-  if (message == "guide.soon_through") {
+  if (message == "guide.into") {  // of a room whose name may have a number
+    return {Kind::kWalk, 0, metres_of(numbers.empty() ? 0 : numbers.back(), wording)};
+  }
+  if (message == "guide.soon_through" || message == "guide.soon_into") {
     return {Kind::kWalk, 0, metres_of(number(0), wording) + kThrough_m};
   }
   if (message == "guide.soon_goal" || message == "guide.soon_end") {
