@@ -25,7 +25,7 @@
 #include "roomwise/motion/rgbd_pyramid.h"
 #include "roomwise/recording/open_recording.h"
 #include "roomwise/recording/trajectory_file.h"
-#include "turning_speed.h"
+#include "true_turning.h"
 
 namespace {
 
@@ -36,15 +36,15 @@ using mapping::UpMeasurementOptions;
 // A frame at its true pose.
 struct View {
   geometry::RigidTransform world_from_camera;
-  double speed_rad_s = 0;
+  Vector3d turning_rad_s = Vector3d::Zero();  // camera frame
   std::vector<Eigen::Vector3f> normals;
 };
 
 // How far off up was found about one axis, and what was known about it.
 struct Residual {
   double off_rad = 0;
-  double normals = 0;  // information, in normals
-  double speed_rad_s = 0;
+  double normals = 0;        // information, in normals
+  double turning_rad_s = 0;  // about that axis
 };
 
 struct Recording {
@@ -55,8 +55,8 @@ struct Recording {
 
 constexpr int kEvery = 3;  // frames
 
-// The true pose at a time, and how fast the camera turned; nothing where truth has none so near.
-// Fails where the truth does not tell the speed.
+// The true pose at a time, and how the camera turned; nothing where truth has none so near.
+// Fails where the truth does not tell it.
 Expected<std::optional<View>> true_view(const recording::Trajectory& truth, TimestampNs time_ns) {
   constexpr TimestampNs kNear_ns = 20'000'000;
   const auto after =
@@ -68,9 +68,9 @@ Expected<std::optional<View>> true_view(const recording::Trajectory& truth, Time
     const TimestampNs off_ns = std::abs(at->timestamp_ns - time_ns);
     if (off_ns > nearest_ns) continue;
     nearest_ns = off_ns;
-    view = View{at->world_from_camera, 0, {}};
-    ROOMWISE_TRY(view->speed_rad_s,
-                 turning_speed_rad_s(truth, static_cast<std::size_t>(at - truth.begin())));
+    view = View{at->world_from_camera, Vector3d::Zero(), {}};
+    ROOMWISE_TRY(view->turning_rad_s,
+                 true_turning_rad_s(truth, static_cast<std::size_t>(at - truth.begin())));
   }
   return view;
 }
@@ -112,13 +112,14 @@ std::vector<Residual> residuals_of(const std::vector<View>& views) {
   std::vector<Residual> residuals;
   for (const View& view : views) {
     const Vector3d up = view.world_from_camera.rotation.conjugate() * up_world;
-    const auto measured = mapping::measure_up(view.normals, up, 0, in_normals);
+    const auto measured = mapping::measure_up(view.normals, up, Vector3d::Zero(), in_normals);
     if (!measured) continue;
     const Vector3d off = measured->up_camera.cross(up);
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(measured->information);
     for (const int axis : {1, 2}) {  // 0 is up itself
+      const Vector3d about = axes.eigenvectors().col(axis);
       residuals.push_back(
-          {axes.eigenvectors().col(axis).dot(off), axes.eigenvalues()[axis], view.speed_rad_s});
+          {about.dot(off), axes.eigenvalues()[axis], about.dot(view.turning_rad_s)});
     }
   }
   return residuals;
@@ -127,7 +128,7 @@ std::vector<Residual> residuals_of(const std::vector<View>& views) {
 double variance(const Residual& residual, const UpMeasurementOptions& options) {
   return std::pow(options.normal_sigma_rad, 2) / std::max(residual.normals, 1e-3) +
          std::pow(options.systematic_sigma_rad, 2) +
-         std::pow(options.delay_s * residual.speed_rad_s, 2);
+         std::pow(options.delay_s * residual.turning_rad_s, 2);
 }
 
 // The mean of -log likelihood, by Student's distribution of four degrees of freedom: a sloping

@@ -104,13 +104,15 @@ std::vector<Vector6d> keyframe_velocities(
   return velocities;
 }
 
-std::vector<std::optional<double>> keyframe_turning_speeds(
+std::vector<std::optional<Eigen::Vector3d>> keyframe_turning(
     std::span<const Frame> frames, std::span<const std::optional<RigidTransform>> world_from_frame,
     const SolvedKeyframes& keyframes) {
-  std::vector<std::optional<double>> speeds;
-  for (const auto& motion : mean_motions(frames, world_from_frame, keyframes))
-    speeds.push_back(motion ? std::optional(motion->twist.head<3>().norm()) : std::nullopt);
-  return speeds;
+  std::vector<std::optional<Eigen::Vector3d>> turning;
+  for (const auto& motion : mean_motions(frames, world_from_frame, keyframes)) {
+    turning.emplace_back();
+    if (motion) turning.back() = motion->twist.head<3>();
+  }
+  return turning;
 }
 
 }  // namespace roomwise::mapping

@@ -36,9 +36,9 @@ struct SolvedKeyframes {
     std::span<const std::optional<geometry::RigidTransform>> world_from_frame,
     const SolvedKeyframes& keyframes);
 
-// How fast each key-frame's camera turned, rad/s: on average from the frame before to the frame
-// after, however far apart these are. Nothing where its component has no frame beside it.
-[[nodiscard]] std::vector<std::optional<double>> keyframe_turning_speeds(
+// How each key-frame's camera turned, in its own frame, rad/s: on average from the frame before to
+// the frame after, however far apart these are. Nothing where its component has no frame beside it.
+[[nodiscard]] std::vector<std::optional<Eigen::Vector3d>> keyframe_turning(
     std::span<const Frame> frames,
     std::span<const std::optional<geometry::RigidTransform>> world_from_frame,
     const SolvedKeyframes& keyframes);

@@ -23,7 +23,7 @@ std::map<std::size_t, std::vector<std::size_t>> by_component(
 void Grounds::measure(std::span<const KeyframeId> ids, std::span<const KeyframeId> own,
                       std::span<const KeyframeFeatures> features,
                       std::span<const RigidTransform> world_from_keyframe,
-                      std::span<const std::optional<double>> speeds_rad_s) {
+                      std::span<const std::optional<Vector3d>> turning_rad_s) {
   for (const auto& [component, places] : by_component(ids, component_)) {
     UpDirectionEstimator estimator;
     for (const std::size_t i : places) {
@@ -39,10 +39,10 @@ void Grounds::measure(std::span<const KeyframeId> ids, std::span<const KeyframeI
       const auto [one, is_new] = measured_.try_emplace(ids[i]);
       if (!is_new && !std::ranges::binary_search(own, ids[i])) continue;
       one->second.reset();
-      if (!(up.support > 0) || !speeds_rad_s[ids[i]]) continue;
+      if (!(up.support > 0) || !turning_rad_s[ids[i]]) continue;
       one->second = measure_up(features[i].normals,
                                world_from_keyframe[ids[i]].rotation.conjugate() * up.up_world,
-                               *speeds_rad_s[ids[i]], options_);
+                               *turning_rad_s[ids[i]], options_);
     }
   }
 }

@@ -29,14 +29,14 @@ class Grounds {
   void add_gravity(KeyframeId id, const Eigen::Vector3d& up_camera) { gravity_[id] = up_camera; }
 
   // Measures up in these key-frames, by their normals, at poses that may still err by some degrees;
-  // poses and speeds (rad/s, of the camera's turning) are by key-frame id. Where the speed is not
+  // poses and how the camera turned (rad/s, in its frame) are by key-frame id. Where that is not
   // known nothing is measured: by how much depth lags behind the picture is not known then. Of
   // those that are not `own` (ascending) as well, what was measured before stays: who owns them
   // sees all that is around them.
   void measure(std::span<const KeyframeId> ids, std::span<const KeyframeId> own,
                std::span<const KeyframeFeatures> features,
                std::span<const geometry::RigidTransform> world_from_keyframe,
-               std::span<const std::optional<double>> speeds_rad_s);
+               std::span<const std::optional<Eigen::Vector3d>> turning_rad_s);
 
   // Under those of these key-frames that tell of up, one for each component; the first ground's
   // node is `first_node`, the others follow. Edges are made with up_edge().

@@ -30,11 +30,11 @@ struct Sideways {
     }
   }
   [[nodiscard]] std::vector<Ground> measured(Grounds grounds) const {
-    grounds.measure(ids, ids, features, poses, speeds);
+    grounds.measure(ids, ids, features, poses, turning);
     return under(grounds);
   }
   void measure(Grounds& grounds, const std::vector<KeyframeId>& own) const {
-    grounds.measure(ids, own, features, poses, speeds);
+    grounds.measure(ids, own, features, poses, turning);
   }
   [[nodiscard]] std::vector<Ground> under(const Grounds& grounds) const {
     return grounds.under(ids, poses, 10, 2);
@@ -44,7 +44,7 @@ struct Sideways {
   std::vector<KeyframeId> ids;
   std::vector<RigidTransform> poses;
   std::vector<KeyframeFeatures> features;
-  std::vector<std::optional<double>> speeds = std::vector<std::optional<double>>(4, 0.0);
+  std::vector<std::optional<Vector3d>> turning{4, Vector3d::Zero()};
 };
 
 double tilt_rad(const Ground& ground) {
@@ -83,10 +83,10 @@ TEST(Grounds, EachComponentHasOneWithAnEdgeToEachOfItsKeyframes) {
   }
 }
 
-TEST(Grounds, WhereItIsNotKnownHowFastTheCameraTurnedNothingIsMeasured) {
+TEST(Grounds, WhereItIsNotKnownHowTheCameraTurnedNothingIsMeasured) {
   Sideways phone;
-  phone.speeds[0].reset();
-  phone.speeds[3].reset();
+  phone.turning[0].reset();
+  phone.turning[3].reset();
   const auto grounds = phone.measured(Grounds({}, phone.component));
   ASSERT_EQ(grounds.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {

@@ -222,16 +222,16 @@ class Refiner {
   void update_velocities() {
     const SolvedKeyframes keyframes{poses_, inputs_.keyframe_times, component_};
     velocities_.clear();
-    speeds_rad_s_.clear();
+    turning_rad_s_.clear();
     knows_velocity_ = false;
     for (std::uint32_t i = 0; i < inputs_.walks.size(); ++i) {
       const RefinedWalk& walk = inputs_.walks[i];
       const auto frames = frame_poses(walk.frames, keyframes, edges_);
       const auto of_walk = keyframe_velocities(walk.frames, frames, keyframes);
-      const auto speeds = keyframe_turning_speeds(walk.frames, frames, keyframes);
+      const auto turning = keyframe_turning(walk.frames, frames, keyframes);
       for (KeyframeId id = walk.first_keyframe; id < poses_.size() && walk_of_[id] == i; ++id) {
         velocities_.push_back(of_walk[id]);
-        speeds_rad_s_.push_back(speeds[id]);
+        turning_rad_s_.push_back(turning[id]);
         const bool is_last = i + 1 == inputs_.walks.size();
         knows_velocity_ = knows_velocity_ || (is_last && !of_walk[id].isZero());
       }
@@ -257,7 +257,8 @@ class Refiner {
     std::ranges::merge(window.own, window.around, std::back_inserter(seen));
     ROOMWISE_TRY(const std::vector<KeyframeFeatures> features, features_of(seen));
     bundle.landmarks = landmarks_of(window, places, seen, features);
-    if (options_.holds_upright) grounds_.measure(seen, window.own, features, poses_, speeds_rad_s_);
+    if (options_.holds_upright)
+      grounds_.measure(seen, window.own, features, poses_, turning_rad_s_);
 
     AdjustedWindow adjusted;
     const auto go_on = [&] {
@@ -435,10 +436,10 @@ class Refiner {
   Grounds grounds_;
   std::vector<PoseGraphEdge> measured_;  // edges_ as windows measure them
   std::vector<bool> is_measured_;
-  std::vector<Vector6d> velocities_;                 // by key-frame id
-  std::vector<std::optional<double>> speeds_rad_s_;  // likewise: of turning, where it is known
-  bool knows_velocity_ = false;                      // of any key-frame of the last walk
-  double readout_s_ = 0;                             // of the last walk
+  std::vector<Vector6d> velocities_;                           // by key-frame id
+  std::vector<std::optional<Eigen::Vector3d>> turning_rad_s_;  // likewise, where it is known
+  bool knows_velocity_ = false;                                // of any key-frame of the last walk
+  double readout_s_ = 0;                                       // of the last walk
   std::uint64_t done_ = 0, windows_done_ = 0;
   std::uint64_t iterations_of_window_ = 0;
 };

@@ -8,6 +8,7 @@ namespace {
 
 using Eigen::Matrix2d;
 using Eigen::Matrix3d;
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 using geometry::RigidTransform;
 
@@ -52,7 +53,8 @@ Expected<void> UpMeasurementOptions::validate() const {
 }
 
 std::optional<UpMeasurement> measure_up(std::span<const Eigen::Vector3f> normals_camera,
-                                        const Vector3d& expected_up_camera, double speed_rad_s,
+                                        const Vector3d& expected_up_camera,
+                                        const Vector3d& turning_rad_s,
                                         const UpMeasurementOptions& options) {
   // The expected direction counts as one normal: along a wall, where that is all there is to see,
   // it decides.
@@ -75,10 +77,12 @@ std::optional<UpMeasurement> measure_up(std::span<const Eigen::Vector3f> normals
   }
   if (up.dot(expected_up_camera) < std::cos(options.inlier_angle_rad)) return std::nullopt;
   constexpr double kLittle = 1e-3;  // of a normal: not to divide by nothing
-  const double systematic = std::hypot(options.systematic_sigma_rad, options.delay_s * speed_rad_s);
+  const Vector2d lag = options.delay_s * across.transpose() * turning_rad_s;
+  const double systematic = options.systematic_sigma_rad;
   const Matrix2d covariance = options.normal_sigma_rad * options.normal_sigma_rad *
                                   (known + kLittle * Matrix2d::Identity()).inverse() +
-                              systematic * systematic * Matrix2d::Identity();
+                              systematic * systematic * Matrix2d::Identity() +
+                              lag * lag.transpose();
   return UpMeasurement{up, across * covariance.inverse() * across.transpose()};
 }
 

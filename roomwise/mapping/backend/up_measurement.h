@@ -30,10 +30,12 @@ struct UpMeasurement {
 };
 
 // The direction about `expected_up_camera` that the normals (camera frame, unit length) bear out
-// best; nothing where they tell nothing of it. `speed_rad_s` is how fast the camera turned.
+// best; nothing where they tell nothing of it. `turning_rad_s` is how the camera turned, in its
+// frame: where depth lags behind the picture, up is off by as much, about the same axis. A turn
+// about up moves nothing.
 [[nodiscard]] std::optional<UpMeasurement> measure_up(
     std::span<const Eigen::Vector3f> normals_camera, const Eigen::Vector3d& expected_up_camera,
-    double speed_rad_s, const UpMeasurementOptions& options = {});
+    const Eigen::Vector3d& turning_rad_s, const UpMeasurementOptions& options = {});
 
 // The measurement as an edge from the ground, a node whose z axis is up, to the key-frame: it holds
 // the key-frame's tilt and leaves it free to turn about up and to be anywhere. It is made at the

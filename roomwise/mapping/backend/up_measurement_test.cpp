@@ -17,6 +17,7 @@ using Normals = std::vector<Eigen::Vector3f>;
 const Vector3d kUp = Vector3d(0.1, -1, -0.3).normalized();  // of a camera bent down and rolled
 const Vector3d kAhead = kUp.cross(Vector3d::UnitX()).normalized();
 const Vector3d kAside = kUp.cross(kAhead);
+const Vector3d kStill = Vector3d::Zero();
 
 // So many normals of a surface, as a depth camera errs.
 void add_surface(Normals& normals, const Vector3d& normal, int count, double noise_rad = 0.02) {
@@ -39,7 +40,7 @@ TEST(MeasureUp, IsWhatFloorCeilingAndWallsSayTogether) {
            {kUp}, {-kUp}, {kAhead, kAside}, {kUp, kAhead}, {kUp, -kUp, kAside}}) {
     Normals normals;
     for (const Vector3d& surface : surfaces) add_surface(normals, surface, 200);
-    const auto measured = measure_up(normals, kExpected, 0);
+    const auto measured = measure_up(normals, kExpected, kStill);
     ASSERT_TRUE(measured);
     EXPECT_LT(angle_between(measured->up_camera, kUp), 0.005);
     EXPECT_NEAR(measured->up_camera.dot(measured->information * measured->up_camera), 0, 1e-6);
@@ -52,7 +53,7 @@ TEST(MeasureUp, IsWhatFloorCeilingAndWallsSayTogether) {
 TEST(MeasureUp, OneWallTellsOfTheTurnAlongItAlone) {
   Normals normals;
   add_surface(normals, kAhead, 300);
-  const auto measured = measure_up(normals, kExpected, 0);
+  const auto measured = measure_up(normals, kExpected, kStill);
   ASSERT_TRUE(measured);
   // It stands along the wall, and as it was expected in the wall's plane.
   EXPECT_NEAR(measured->up_camera.dot(kAhead), 0, 0.005);
@@ -64,11 +65,11 @@ TEST(MeasureUp, OneWallTellsOfTheTurnAlongItAlone) {
 TEST(MeasureUp, WhatSlopesTellsNothing) {
   Normals normals;
   add_surface(normals, (kUp + kAhead).normalized(), 300);
-  EXPECT_FALSE(measure_up(normals, kExpected, 0));
-  EXPECT_FALSE(measure_up({}, kExpected, 0));
+  EXPECT_FALSE(measure_up(normals, kExpected, kStill));
+  EXPECT_FALSE(measure_up({}, kExpected, kStill));
 
   add_surface(normals, kUp, 100);
-  const auto measured = measure_up(normals, kExpected, 0);
+  const auto measured = measure_up(normals, kExpected, kStill);
   ASSERT_TRUE(measured);
   EXPECT_LT(angle_between(measured->up_camera, kUp), 0.01);
 }
@@ -77,11 +78,16 @@ TEST(MeasureUp, IsSurerWithMoreSurfaceAndLessSureInAQuickTurn) {
   Normals few, many;
   add_surface(few, kUp, 20);
   add_surface(many, kUp, 500);
-  const auto known = [](const Normals& normals, double speed_rad_s) {
-    return measure_up(normals, kUp, speed_rad_s)->information.trace();
+  const auto known = [](const Normals& normals, const Vector3d& turning_rad_s) {
+    return measure_up(normals, kUp, turning_rad_s)->information;
   };
-  EXPECT_GT(known(many, 0), 2 * known(few, 0));
-  EXPECT_LT(known(many, 1), 0.1 * known(many, 0));
+  EXPECT_GT(known(many, kStill).trace(), 2 * known(few, kStill).trace());
+  // Only about the axis of the turn, and not at all where that is up.
+  const Eigen::Matrix3d still = known(many, kStill), tilting = known(many, kAside);
+  EXPECT_LT(kAside.dot(tilting * kAside), 0.01 * kAside.dot(still * kAside));
+  const Vector3d other = kUp.cross(kAside).normalized();
+  EXPECT_NEAR(other.dot(tilting * other), other.dot(still * other), 1e-6 * still.trace());
+  EXPECT_LT((known(many, kUp) - still).norm(), 0.01 * still.norm()) << "as up is found";
 }
 
 TEST(UpEdge, HoldsTheTiltAndNothingElse) {

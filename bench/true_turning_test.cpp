@@ -1,4 +1,4 @@
-#include "turning_speed.h"
+#include "true_turning.h"
 
 #include <gtest/gtest.h>
 
@@ -14,17 +14,17 @@ recording::StampedPose turned(TimestampNs time_ns, double rad) {
   return pose;
 }
 
-TEST(TurningSpeed, IsToldByThePosesBeside) {
+TEST(TrueTurning, IsToldByThePosesBeside) {
   const recording::Trajectory truth{turned(0, 0), turned(500'000'000, 0.1),
                                     turned(1'000'000'000, 0.4)};
-  EXPECT_NEAR(turning_speed_rad_s(truth, 0).value(), 0.2, 1e-9);
-  EXPECT_NEAR(turning_speed_rad_s(truth, 1).value(), 0.4, 1e-9);
-  EXPECT_NEAR(turning_speed_rad_s(truth, 2).value(), 0.6, 1e-9);
+  EXPECT_NEAR(true_turning_rad_s(truth, 0)->y(), 0.2, 1e-9);
+  EXPECT_NEAR(true_turning_rad_s(truth, 1)->y(), 0.4, 1e-9);
+  EXPECT_NEAR(true_turning_rad_s(truth, 2)->y(), 0.6, 1e-9);
 }
 
-TEST(TurningSpeed, IsNotToldByOnePoseNorByOneTime) {
-  EXPECT_ERROR(turning_speed_rad_s({turned(5, 0.3)}, 0), "takes two at different times");
-  EXPECT_ERROR(turning_speed_rad_s({turned(5, 0.3), turned(5, 0.4)}, 1), "the true poses (2)");
+TEST(TrueTurning, IsNotToldByOnePoseNorByOneTime) {
+  EXPECT_ERROR(true_turning_rad_s({turned(5, 0.3)}, 0), "takes two at different times");
+  EXPECT_ERROR(true_turning_rad_s({turned(5, 0.3), turned(5, 0.4)}, 1), "the true poses (2)");
 }
 
 }  // namespace
