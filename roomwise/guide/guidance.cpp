@@ -156,12 +156,13 @@ void Guidance::plan_from(const Pose& pose) {
 }
 
 // Up to a thing one walks until a hand or a cane is at it: the last leg goes on to where the body
-// would touch it.
+// would touch it; to a door's frame, until one stands in it.
 void Guidance::reach_out() {
-  if (goal_.kind == Goal::Kind::kRoom || goal_.kind == Goal::Kind::kDoor) return;
+  if (goal_.kind == Goal::Kind::kRoom) return;
+  const double body_m = goal_.kind == Goal::Kind::kDoor ? 0 : options_.body_radius_m;
   const Vector2d from = legs_.empty() ? plan_.route.back() : legs_.back().to;
   const Vector2d towards = plan_.touch_gravity - from;
-  double further_m = std::min(towards.norm() - options_.body_radius_m, kHand_m / 2);
+  double further_m = std::min(towards.norm() - body_m, kHand_m / 2);
   const auto end = [&] { return Vector2d(from + further_m * towards.normalized()); };
   // As far as the body fits; the rest is for a hand.
   const auto fits = [&] { return map_.floor->fits(end(), options_.plan.narrow_radius_m); };

@@ -582,6 +582,17 @@ TEST_F(GuidanceTest, TheLastMetreIsBySideReachAndHeight) {
   EXPECT_THAT(hear(30), IsEmpty());
 }
 
+// Of 0.6 m in cells of 0.1 m: ways that keep 0.3 m to each side end before it.
+TEST_F(GuidanceTest, TheWayToANarrowDoorEndsInItsFrame) {
+  grid_ = testing::two_rooms().fill({40, 1}, {41, 33}, FloorCell::kOccupied).grid();
+  layout_ = testing::layout_of_two_rooms(grid_);
+  ASSERT_TRUE(layout_.doorways()[0].is_door());
+  lead_to(Goal::of(layout_.doorways()[0]), {2.4, 3.6}, 0);
+  (void)hear(8);
+  ASSERT_TRUE(guidance_->next_place());
+  EXPECT_NEAR(guidance_->next_place()->x(), 4, 0.11);
+}
+
 TEST_F(GuidanceTest, WhoIsThereHearsWhatAHelperNoted) {
   Goal bed = bed_at({3.3, 1.2}, "bedroom");
   bed.note = "low beam above it";
