@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "roomwise/base/own_data.h"
 #include "roomwise/objects/built_in_data.h"
 
 namespace roomwise::objects {
@@ -73,11 +73,7 @@ Expected<InstanceModel> InstanceModel::parse(std::string_view json) {
 }
 
 const InstanceModel& InstanceModel::built_in() {
-  static const InstanceModel kModel = [] {
-    auto model = parse(kInstanceModelJson);
-    if (!model) std::abort();  // the program's own data, which a test reads
-    return *std::move(model);
-  }();
+  static const InstanceModel kModel = own_data(parse(kInstanceModelJson));
   return kModel;
 }
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
 
+#include "roomwise/base/own_data.h"
 #include "roomwise/objects/built_in_data.h"
 
 namespace roomwise::objects {
@@ -61,11 +61,7 @@ StayTimes parse_stay_times(std::string_view text) {
 }
 
 std::vector<Kind>& all_kinds() {
-  static std::vector<Kind> kinds = [] {
-    auto built_in = parse_kinds(kKindsJson);
-    if (!built_in) std::abort();  // the program's own data, which a test reads
-    return *std::move(built_in);
-  }();
+  static std::vector<Kind> kinds = own_data(parse_kinds(kKindsJson));
   return kinds;
 }
 

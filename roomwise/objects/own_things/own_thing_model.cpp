@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <vector>
 
 #include "roomwise/base/median.h"
+#include "roomwise/base/own_data.h"
 #include "roomwise/objects/built_in_data.h"
 
 namespace roomwise::objects {
@@ -41,11 +41,7 @@ Expected<OwnThingModel> OwnThingModel::parse(std::string_view json) {
 }
 
 const OwnThingModel& OwnThingModel::built_in() {
-  static const OwnThingModel kModel = [] {
-    auto model = parse(kOwnThingModelJson);
-    if (!model) std::abort();  // the program's own data, which a test reads
-    return *std::move(model);
-  }();
+  static const OwnThingModel kModel = own_data(parse(kOwnThingModelJson));
   return kModel;
 }
 

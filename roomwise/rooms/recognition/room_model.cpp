@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "roomwise/base/own_data.h"
 #include "roomwise/rooms/room_model_json.h"
 
 namespace roomwise::rooms {
@@ -95,11 +95,7 @@ Expected<std::vector<RoomModel>> parse_room_models(std::string_view json) {
 }
 
 const RoomModel& RoomModel::of(std::string_view network) {
-  static const std::vector<RoomModel> kModels = [] {
-    auto models = parse_room_models(kRoomModelJson);
-    if (!models) std::abort();  // the program's own data, which a test reads
-    return *std::move(models);
-  }();
+  static const std::vector<RoomModel> kModels = own_data(parse_room_models(kRoomModelJson));
   return *std::ranges::find_if(
       kModels, [&](const RoomModel& model) { return network.starts_with(model.network); });
 }
