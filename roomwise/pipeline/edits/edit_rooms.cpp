@@ -58,12 +58,10 @@ Expected<void> add_room(home::Home& home, const std::string& name) {
 Expected<void> rename_frames_by_place(
     home::Home& home, const fusion::GravityAlignedFrame& frame,
     const std::function<std::string(const std::string&, const Vector2d&)>& room_of) {
-  ROOMWISE_TRY(const auto recordings, home.recordings());
-  for (const home::StoredRecording& recording : recordings) {
-    ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording.id));
-    ROOMWISE_TRY(const auto frames, frames_on_floor(home, recording.id, frame));
-    std::vector<recording::RoomRange> ranges;
-    for (const recording::RoomRange& range : labels.ranges()) {
+  return change_room_ranges(home, [&](auto walk, RoomRanges& ranges) -> Expected<void> {
+    ROOMWISE_TRY(const auto frames, frames_on_floor(home, walk, frame));
+    RoomRanges parts;
+    for (const recording::RoomRange& range : ranges) {
       recording::RoomRange part = range;
       bool is_placed = false;
       for (const FrameOnFloor& one : frames) {
@@ -71,20 +69,20 @@ Expected<void> rename_frames_by_place(
         const std::string room = room_of(range.room, one.point_gravity);
         if (is_placed && room != part.room) {
           part.last_frame = one.index - 1;
-          ranges.push_back(part);
+          parts.push_back(part);
           part.first_frame = one.index;
           part.last_frame = range.last_frame;
         }
         part.room = room;
         is_placed = true;
       }
-      ranges.push_back(part);
+      parts.push_back(part);
     }
-    if (ranges == labels.ranges()) continue;
+    if (parts == ranges) return {};
+    ranges = std::move(parts);
     number_visits(ranges);
-    ROOMWISE_CHECK_OK(home.replace_room_ranges(recording.id, ranges));
-  }
-  return {};
+    return {};
+  });
 }
 
 Expected<std::vector<home::EditPlace>> places_of(const home::Home& home,
@@ -278,13 +276,10 @@ Expected<home::EditId> remove_room(home::Home& home, const EditAuthor& author,
   StoredEdit edit = edit_by(author, EditKind::kRemoveRoom);
   edit.change.room = room;
   return record(home, std::move(edit), [&]() -> Expected<void> {
-    ROOMWISE_TRY(const RoomTables tables, read_room_tables(home));
-    for (const auto& [recording, of_walk] : tables.ranges) {
-      std::vector<recording::RoomRange> ranges = of_walk;
+    ROOMWISE_CHECK_OK(change_room_ranges(home, [&](auto, RoomRanges& ranges) -> Expected<void> {
       std::erase_if(ranges, [&](const recording::RoomRange& range) { return range.room == room; });
-      if (ranges.size() == of_walk.size()) continue;
-      ROOMWISE_CHECK_OK(home.replace_room_ranges(recording, ranges));
-    }
+      return {};
+    }));
     ROOMWISE_CHECK_OK(move_object_claims(home, room, std::nullopt));
     ROOMWISE_TRY(auto rooms, home.rooms());
     std::erase_if(rooms, [&](const rooms::Room& one) { return one.name == room; });
@@ -301,16 +296,13 @@ Expected<home::EditId> join_rooms(home::Home& home, const EditAuthor& author,
   edit.change.room = kept;
   edit.change.other_room = joined;
   return record(home, std::move(edit), [&]() -> Expected<void> {
-    ROOMWISE_TRY(const RoomTables tables, read_room_tables(home));
-    for (const auto& [recording, of_walk] : tables.ranges) {
-      std::vector<recording::RoomRange> ranges = of_walk;
+    ROOMWISE_CHECK_OK(change_room_ranges(home, [&](auto, RoomRanges& ranges) -> Expected<void> {
       for (recording::RoomRange& range : ranges) {
         if (range.room == joined) range.room = kept;
       }
       number_visits(ranges);
-      if (ranges == of_walk) continue;
-      ROOMWISE_CHECK_OK(home.replace_room_ranges(recording, ranges));
-    }
+      return {};
+    }));
     ROOMWISE_CHECK_OK(move_object_claims(home, joined, kept));
     // By an undo they stay in the whole room: which of the two it was is not kept.
     ROOMWISE_CHECK_OK(rename_where_seen(home, joined, kept));

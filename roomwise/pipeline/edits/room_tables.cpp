@@ -182,6 +182,20 @@ Expected<void> restore_tables(home::Home& home, const std::string& changed) {
   return {};
 }
 
+Expected<void> change_room_ranges(
+    home::Home& home,
+    const std::function<Expected<void>(home::RecordingId walk, RoomRanges& ranges)>& change) {
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  for (const home::StoredRecording& recording : recordings) {
+    ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording.id));
+    RoomRanges ranges = labels.ranges();
+    ROOMWISE_CHECK_OK(change(recording.id, ranges));
+    if (ranges == labels.ranges()) continue;
+    ROOMWISE_CHECK_OK(home.replace_room_ranges(recording.id, ranges));
+  }
+  return {};
+}
+
 Expected<void> change_room_name(home::Home& home, const std::string& name,
                                 const std::string& new_name) {
   ROOMWISE_TRY(auto rooms, home.rooms());
@@ -193,15 +207,12 @@ Expected<void> change_room_name(home::Home& home, const std::string& name,
   // Both names stand until no range has the old one any more.
   rooms.push_back({new_name, room->type});
   ROOMWISE_CHECK_OK(home.replace_rooms(rooms));
-  ROOMWISE_TRY(const auto recordings, home.recordings());
-  for (const home::StoredRecording& recording : recordings) {
-    ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording.id));
-    std::vector<recording::RoomRange> ranges = labels.ranges();
+  ROOMWISE_CHECK_OK(change_room_ranges(home, [&](auto, RoomRanges& ranges) -> Expected<void> {
     for (recording::RoomRange& range : ranges) {
       if (range.room == name) range.room = new_name;
     }
-    ROOMWISE_CHECK_OK(home.replace_room_ranges(recording.id, ranges));
-  }
+    return {};
+  }));
   ROOMWISE_CHECK_OK(rename_in_classifier(home, name, new_name));
   ROOMWISE_CHECK_OK(move_object_claims(home, name, new_name));
   ROOMWISE_CHECK_OK(rename_where_seen(home, name, new_name));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -22,6 +23,12 @@ struct RoomTables {
 // Puts back what stood there before. Fails where frames that were named since belong to a room that
 // would go.
 [[nodiscard]] Expected<void> restore_tables(home::Home& home, const std::string& changed);
+
+// Changes which frames of each walk are in which room. A walk whose ranges stay is not written.
+using RoomRanges = std::vector<recording::RoomRange>;
+[[nodiscard]] Expected<void> change_room_ranges(
+    home::Home& home,
+    const std::function<Expected<void>(home::RecordingId walk, RoomRanges& ranges)>& change);
 
 // A room's name wherever the home has it: list, ranges, claims, what was learned, and where
 // people's own things were seen.
