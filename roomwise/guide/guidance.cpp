@@ -873,6 +873,7 @@ Prompt Guidance::say_lost(const char* message, TimestampNs now_ns) {
 
 void Guidance::become_lost() {
   state_ = State::kLost;
+  is_blocked_unseen_ = false;
   steps_until_ns_ = 0;
   told_room_.reset();
   reminded_ = false;
@@ -894,16 +895,17 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
     if (may_end_unseen()) return end_unseen(now_ns);
     if (may_step_unseen(now_ns)) return step_unseen(now_ns);
     become_lost();
-    // Who stands has waited already.
-    waits_for_place_ = !is_new && !stands;
+    // Who stands has waited already, and nobody turns about on a step.
+    waits_for_place_ = !is_new && (!stands || stairs_);
     return waits_for_place_ ? say_lost("guide.lost_wait", now_ns)
                             : say_lost(is_new ? "route.no_place" : "guide.lost", now_ns);
   }
   if (const Pose* const pose = track_.pose(now_ns); pose != nullptr) {
     state_ = begun_ == 0 ? State::kBeginning : stairs_ ? State::kStairs : State::kStopped;
-    if (std::exchange(waits_for_place_, false)) {  // they stand, and what to do says enough
-      const bool is_blocked = std::exchange(is_blocked_unseen_, false);
-      if (state_ != State::kStopped) return std::nullopt;
+    const bool waited = std::exchange(waits_for_place_, false);
+    const bool is_blocked = std::exchange(is_blocked_unseen_, false);
+    if (waited && state_ == State::kBeginning) return std::nullopt;  // the beginning is told next
+    if (waited && state_ == State::kStopped) {  // they stand, and what to do says enough
       return is_blocked ? blocked(*pose, now_ns) : stopped(*pose, now_ns);
     }
     Prompt prompt = say({"guide.found"}, now_ns);
@@ -912,6 +914,10 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
   }
   if (waits_for_place_) {
     if (silent_for_s(now_ns) < options_.lost_s) return std::nullopt;
+    if (stairs_) {
+      if (silent_for_s(now_ns) <= options_.remind_s) return std::nullopt;
+      return say_lost("guide.lost_wait", now_ns);
+    }
     waits_for_place_ = is_blocked_unseen_ = false;
     return say_lost("route.no_place", now_ns);
   }
@@ -1107,13 +1113,12 @@ double Guidance::freer_side(const Pose& pose) const {
 // To who asks: no picture tells where they are. Who was seen a moment ago waits for the next one;
 // for others a slow turn finds one.
 Prompt Guidance::no_place(TimestampNs now_ns) {
-  is_blocked_unseen_ = false;
   if (is_over() || state_ == State::kPaused) {
     waits_for_place_ = false;
     return say_lost("route.no_place", now_ns);
   }
   if (track_.pose(now_ns) != nullptr) return say({"route.none"}, now_ns, Confidence::kUnsure);
-  waits_for_place_ = track_.age_s(now_ns) < options_.lost_standing_s;
+  waits_for_place_ = stairs_ || track_.age_s(now_ns) < options_.lost_standing_s;
   become_lost();
   return say_lost(waits_for_place_ ? "guide.lost_wait" : "route.no_place", now_ns);
 }
@@ -1145,10 +1150,22 @@ Prompt Guidance::blocked(const Pose& pose, TimestampNs now_ns) {
   return say({"guide.no_way_around"}, now_ns, Confidence::kUnsure);
 }
 
+// To who asks after the end of the way.
+Prompt Guidance::say_end_again(const Pose* pose, TimestampNs now_ns) {
+  finished_ = goal_.kind == Goal::Kind::kRoom ? 1 : 0;
+  return pose == nullptr             ? no_place(now_ns)
+         : state_ == State::kArrived ? arrive(*pose, now_ns)
+                                     : end_of_way(*pose, now_ns);
+}
+
 Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
   if (state_ == State::kEnded) return say({"guide.not_running"}, now_ns);
   const Pose* const pose = track_.pose(now_ns);
   const bool is_led = pose != nullptr && !is_over() && state_ != State::kByRooms;
+  const bool asks_for_way = request != GuidanceRequest::kEnd &&
+                            request != GuidanceRequest::kPause &&
+                            request != GuidanceRequest::kResume;
+  if (is_over() && asks_for_way) return say_end_again(pose, now_ns);
   switch (request) {
     case GuidanceRequest::kEnd:
       state_ = State::kEnded;
@@ -1164,12 +1181,6 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
       return say({"guide.resumed"}, now_ns, Confidence::kSure, kNoticeValid_s);
     case GuidanceRequest::kRepeat:
       if (state_ == State::kPaused) return say({"guide.paused"}, now_ns);
-      if (is_over()) {
-        finished_ = goal_.kind == Goal::Kind::kRoom ? 1 : 0;
-        return pose == nullptr             ? no_place(now_ns)
-               : state_ == State::kArrived ? arrive(*pose, now_ns)
-                                           : end_of_way(*pose, now_ns);
-      }
       if (is_led && state_ == State::kStairs) return say_stairs(now_ns);
       return is_led ? act(*pose, now_ns) : no_place(now_ns);
     case GuidanceRequest::kHowFar:

@@ -122,6 +122,7 @@ class Guidance {
   [[nodiscard]] MaybePrompt without_pose(const Walker& walker);
   [[nodiscard]] Prompt say_lost(const char* message, TimestampNs now_ns);
   [[nodiscard]] Prompt no_place(TimestampNs now_ns);
+  [[nodiscard]] Prompt say_end_again(const Pose* pose, TimestampNs now_ns);
   [[nodiscard]] Prompt blocked(const Pose& pose, TimestampNs now_ns);
   void become_lost();
   [[nodiscard]] double unseen_step_m() const;

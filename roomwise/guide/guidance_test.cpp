@@ -157,6 +157,21 @@ TEST_F(GuidanceTest, WhereAWalkLedThroughAndNoFrameWasSeenTheRoomBeyondIsTold) {
   EXPECT_THAT(said, Not(::testing::Contains(HasSubstr("door"))));
 }
 
+TEST_F(GuidanceTest, WhoWalksAlongAnOpeningIsNotToldOfIt) {
+  grid_ = testing::two_rooms().fill({40, 20}, {41, 30}, FloorCell::kUnknown).grid();
+  layout_ = testing::layout_of_two_rooms(grid_);
+  const rooms::Doorway& opening = layout_.doorways()[0];
+  ASSERT_TRUE(opening.is_opening());
+  const Vector2d beside = opening.middle_gravity - Vector2d(0.3, 0);
+  const Vector2d along(0, 1);
+  EXPECT_EQ(legs_of({beside - along, beside + along}, layout_.doorways()).size(), 1U);
+  const Vector2d through(1, 0);
+  EXPECT_EQ(legs_of({opening.middle_gravity - through, opening.middle_gravity + through},
+                    layout_.doorways())
+                .size(),
+            2U);
+}
+
 TEST_F(GuidanceTest, TheNextActionIsAnnouncedOneAndAHalfToThreeMetresBefore) {
   lead_to(bed_at({7.2, 0.8}, "kitchen"), {0.6, 3.45}, 0);
   (void)hear(8);
@@ -828,6 +843,40 @@ TEST_F(GuidanceTest, WhoAsksUnseenForLongIsToldToTurn) {
   EXPECT_EQ(ask(GuidanceRequest::kRepeat), "I lost where you are. Stop and wait.");
   (void)hear(20);
   EXPECT_EQ(ask(GuidanceRequest::kRepeat), "I do not know where you stand. Turn slowly.");
+}
+
+TEST_F(GuidanceTest, WhatBarredThemBeforeIsForgottenOnceTheyAreLedOn) {
+  lead_to(bed_at({3.3, 3.3}, "bedroom"), {0.6, 0.6}, kPi / 4);
+  (void)hear(8);
+  (void)hear(1, 0.6);
+  is_seen_ = false;
+  (void)hear(2);
+  EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I lost where you are. Stop and wait.");
+  (void)ask(GuidanceRequest::kPause);
+  is_seen_ = true;
+  (void)ask(GuidanceRequest::kResume);
+  (void)hear(5);
+  (void)hear(0.4, 0.6);
+  is_seen_ = false;
+  EXPECT_THAT(hear(6, 0.3), ::testing::Contains("I lost where you are. Stop and wait."));
+  const auto route = guidance_->plan().route;
+  is_seen_ = true;
+  const auto said = hear(6);
+  ASSERT_FALSE(said.empty());
+  for (const std::string& text : said) EXPECT_NE(text, "I know no way around it.");
+  EXPECT_LT(length_m(guidance_->plan().route), 1.2 * (route.back() - place_).norm())
+      << "no detour around free floor";
+}
+
+TEST_F(GuidanceTest, WhoAsksOnceTheyAreThereHearsThatAndIsNotAskedToTurn) {
+  lead_to(room("kitchen"), {1, 3.45}, 0);
+  (void)hear(7);
+  (void)hear(8, 0.6);
+  ASSERT_EQ(guidance_->state(), State::kArrived);
+  for (const GuidanceRequest request :
+       {GuidanceRequest::kHowFar, GuidanceRequest::kNext, GuidanceRequest::kBlocked}) {
+    EXPECT_EQ(ask(request), "You are there, in the kitchen.");
+  }
 }
 
 TEST_F(GuidanceTest, AskingUnseenDoesNotEndAPause) {

@@ -12,6 +12,14 @@ using Eigen::Vector2d;
 
 constexpr double kShortLeg_m = 0.4;  // a corner that is cut, not a leg
 
+// Whether a leg leads from one side of an opening to the other: who walks along one stays in the
+// room.
+bool crosses(const Vector2d& from, const Vector2d& to, const rooms::Doorway& opening) {
+  const Vector2d across(-std::sin(opening.along_rad), std::cos(opening.along_rad));
+  return (from - opening.middle_gravity).dot(across) * (to - opening.middle_gravity).dot(across) <
+         0;
+}
+
 // The place on a leg where it passes a doorway; nothing where it does not.
 std::optional<Vector2d> door_on(const Vector2d& from, const Vector2d& to,
                                 const rooms::Doorway& doorway) {
@@ -37,7 +45,8 @@ std::vector<Leg> parts_of(const Route& route, std::span<const rooms::Doorway> do
     }
     std::vector<Passed> passed;
     for (const rooms::Doorway& door : doors) {
-      if (!door.is_door() && !door.is_opening()) continue;
+      const bool counts = door.is_door() || (door.is_opening() && crosses(from, route[i], door));
+      if (!counts) continue;
       if (const auto place = door_on(from, route[i], door)) passed.emplace_back(*place, &door);
     }
     std::ranges::sort(passed, {},

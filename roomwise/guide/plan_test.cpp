@@ -184,7 +184,8 @@ TEST_F(TwoRoomsTest, WithoutAPlaceTheRoomsAreTold) {
 
 TEST(LegsTest, DoorsAndOpeningsEndLegsAndOpenBordersDoNot) {
   rooms::Doorway door{.rooms = {"hall", "kitchen"}, .width_m = 0.9, .is_framed = true};
-  rooms::Doorway opening{.rooms = {"kitchen", "lounge"}, .width_m = 0.8, .is_walked = true};
+  rooms::Doorway opening{
+      .rooms = {"kitchen", "lounge"}, .width_m = 0.8, .along_rad = 1.5708, .is_walked = true};
   rooms::Doorway border{.rooms = {"dining room", "lounge"}, .width_m = 3, .is_walked = true};
   door.middle_gravity = {1, 0};
   opening.middle_gravity = {3, 0};

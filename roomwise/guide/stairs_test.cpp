@@ -173,6 +173,20 @@ TEST_F(StairsTest, NoStepTowardsThemIsToldToWhoIsNotSeen) {
   EXPECT_THAT(hear(12), ElementsAre("I lost where you are. Stop and turn slowly."));
 }
 
+// Nobody is to turn about on a step.
+TEST_F(StairsTest, WhoIsNotSeenOnTheStepsIsToWaitAndHearsWhenTheyAreSeenAgain) {
+  lead_to("landing", {5.2, 1}, 0);
+  hear(12);
+  ASSERT_EQ(guidance_->state(), Guidance::State::kStairs);
+  hear(1, {0.5, 0});
+  is_seen_ = false;
+  const auto lost = hear(40);
+  ASSERT_FALSE(lost.empty());
+  for (const std::string& text : lost) EXPECT_EQ(text, "I lost where you are. Stop and wait.");
+  is_seen_ = true;
+  EXPECT_THAT(hear(2), Contains("Stop. I know again where you are."));
+}
+
 TEST_F(StairsTest, AreToldInEveryLanguageWithTheRightPlural) {
   StairsOnWay way{storeys_.stairs()[0], true};
   const auto in = [&](const char* language) {

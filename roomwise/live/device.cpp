@@ -583,6 +583,7 @@ void Device::say(const std::vector<guide::Prompt>& prompts, std::optional<std::i
 
 Expected<FrameResult> Device::look(CameraFrame frame) {
   return without_faults([&]() -> Expected<FrameResult> {
+    if (!frame_processor_) frame_processor_.emplace(camera(), host_.lens_of(*this));
     return frame_processor_->look(std::move(frame), host_.view_for(who_));
   });
 }
@@ -612,7 +613,6 @@ bool Device::work() {
     const std::scoped_lock lock(mutex_);
     return newest_.has_value();
   }
-  if (!frame_processor_) frame_processor_.emplace(camera(), host_.lens_of(*this));
   const Clock::time_point began = Clock::now();
   Expected<FrameResult> result = look(*std::move(frame));
   host_.looked(seconds_since(began), result.has_value());

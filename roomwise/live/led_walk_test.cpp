@@ -111,9 +111,10 @@ TEST_F(LedWalkTest, WhoIsNotSeenIsAnsweredAndLedOnceTheyAre) {
   const auto led = LedWalk::to(ask_for("microwave"), home, blind);
   ASSERT_NE(led, nullptr);
   EXPECT_EQ(led->begin(blind).text, "I do not know where you stand. Turn slowly.");
-  EXPECT_THAT(walk(*led, 12, 0),
-              ::testing::ElementsAre("Stop. I know again where you are.", StartsWith("To the microwave"),
-                                     "The microwave is ahead of you.", StartsWith("Straight on")));
+  EXPECT_THAT(
+      walk(*led, 12, 0),
+      ::testing::ElementsAre("Stop. I know again where you are.", StartsWith("To the microwave"),
+                             "The microwave is ahead of you.", StartsWith("Straight on")));
 }
 
 TEST_F(LedWalkTest, LeadsToAPlaceThatSomebodyMarked) {

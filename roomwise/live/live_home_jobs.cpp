@@ -83,7 +83,8 @@ Expected<JobEnd> LiveHome::prepare(Progress& progress) {
     ROOMWISE_TRY(map, make_live_map(reader, run));
     const std::scoped_lock lock(home_mutex_);
     ROOMWISE_CHECK_OK(pipeline::keep_home_floor(home_, {map->frame, map->floor}));
-    if (map->localizer->new_index())
+    // One that lacks pictures is not kept: perhaps they can be read the next time.
+    if (map->localizer->new_index() && lost_pictures_->all().empty())
       ROOMWISE_CHECK_OK(home_.put_derived_data(*map->localizer->new_index()));
     ROOMWISE_CHECK_OK(refresh(map));
   }
@@ -92,7 +93,9 @@ Expected<JobEnd> LiveHome::prepare(Progress& progress) {
   ROOMWISE_CHECK_OK(refresh(std::move(map)));
   // A new walk may show what was taught.
   const bool is_looked_for = view()->own_things.empty() || view()->own_thing_watch != nullptr;
-  if (!is_looked_for) ROOMWISE_CHECK_OK(look_for_own_things(progress).map([](bool) {}));
+  if (!is_looked_for) {
+    ROOMWISE_CHECK_OK(look_for_own_things(progress, lost_pictures_).map([](bool) {}));
+  }
   return JobEnd{"places can be found on the map now", "prepared"};
 }
 

@@ -198,8 +198,10 @@ Expected<bool> LiveHome::teach_now(const home::OwnThing& thing,
 }
 
 // With home_mutex_ held.
-Expected<bool> LiveHome::look_for_own_things(Progress& progress) {
+Expected<bool> LiveHome::look_for_own_things(Progress& progress,
+                                             std::shared_ptr<pipeline::LostPictures> lost) {
   pipeline::OwnRunContext run(options_.threads, progress);
+  run.lost = std::move(lost);
   ROOMWISE_TRY(const pipeline::OwnThingLook look,
                pipeline::look_for_own_things(home_, networks_, finders_.in_pictures, run));
   ROOMWISE_CHECK_OK(refresh(view()->map));

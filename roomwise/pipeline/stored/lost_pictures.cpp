@@ -9,7 +9,7 @@ namespace roomwise::pipeline {
 
 Expected<void> LostPictures::note(home::KeyframeId id, const Error& why) {
   if (!leave_out_) {
-    return fail_with(why.code, "{}; or give --skip-damaged to go on without this picture",
+    return fail_with(why.code, "{}; or go on without this picture (--skip-damaged)",
                      why.message);
   }
   const bool is_new = [&] {
