@@ -103,6 +103,14 @@ class GuidanceTest : public ::testing::Test {
   [[nodiscard]] std::string ask(GuidanceRequest request) {
     return guidance_->request(request, now_ns_).text;
   }
+  void walk_until_barred_unseen() {
+    lead_to(bed_at({3.3, 3.3}, "bedroom"), {0.6, 0.6}, kPi / 4);
+    (void)hear(8);
+    (void)hear(1, 0.6);
+    is_seen_ = false;
+    (void)hear(2);
+    EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I lost where you are. Stop and wait.");
+  }
 
   const MessageCatalogue catalogue_ = MessageCatalogue::built_in();
   const Wording wording_{&catalogue_, {"en", DistanceUnit::kSteps, 0.5}};
@@ -823,12 +831,7 @@ TEST_F(GuidanceTest, WhatSomebodyFindsInTheWayIsGoneAround) {
 }
 
 TEST_F(GuidanceTest, WhoIsBarredUnseenWaitsAndIsLedAroundItWhenTheyAreSeenAgain) {
-  lead_to(bed_at({3.3, 3.3}, "bedroom"), {0.6, 0.6}, kPi / 4);
-  (void)hear(8);
-  (void)hear(1, 0.6);
-  is_seen_ = false;
-  (void)hear(2);
-  EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I lost where you are. Stop and wait.");
+  walk_until_barred_unseen();
   is_seen_ = true;
   const auto said = hear(5);
   ASSERT_FALSE(said.empty());
@@ -846,12 +849,7 @@ TEST_F(GuidanceTest, WhoAsksUnseenForLongIsToldToTurn) {
 }
 
 TEST_F(GuidanceTest, WhatBarredThemBeforeIsForgottenOnceTheyAreLedOn) {
-  lead_to(bed_at({3.3, 3.3}, "bedroom"), {0.6, 0.6}, kPi / 4);
-  (void)hear(8);
-  (void)hear(1, 0.6);
-  is_seen_ = false;
-  (void)hear(2);
-  EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I lost where you are. Stop and wait.");
+  walk_until_barred_unseen();
   (void)ask(GuidanceRequest::kPause);
   is_seen_ = true;
   (void)ask(GuidanceRequest::kResume);
