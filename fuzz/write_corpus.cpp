@@ -96,7 +96,7 @@ std::vector<Seed> onnx_seeds() {
 std::vector<Seed> card_seeds() {
   std::vector<Seed> seeds;
   for (const auto& card : roomwise::network::built_in_cards()) {
-    seeds.push_back({std::string(card.network) + ".json", std::string(card.json)});
+    seeds.push_back({std::string(card.name) + ".json", std::string(card.text)});
   }
   return seeds;
 }

@@ -20,15 +20,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The networks of a folder that are for the task, by their cards; by name.
-Expected<std::vector<fs::path>> list_networks(const fs::path& folder, network::Task task) {
+// What a network is to be for.
+using IsFor = bool (*)(network::Task);
+bool classifies(network::Task task) {
+  return task == network::Task::kClassify;
+}
+
+// The networks of a folder that are for this, by their cards; by name.
+Expected<std::vector<fs::path>> list_networks(const fs::path& folder, IsFor is_for) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     if (!network::has_ending_of_network(entry->path())) continue;
     const auto card = network::find_model_card(entry->path());
-    if (card && card->task == task) files.push_back(entry->path());
+    if (card && is_for(card->task)) files.push_back(entry->path());
   }
   if (error)
     return fail("{}: the folder of networks (ROOMWISE_MODELS) cannot be read: {}", folder.string(),
@@ -38,10 +44,10 @@ Expected<std::vector<fs::path>> list_networks(const fs::path& folder, network::T
 }
 
 // Those of all folders; the first folder that has a file counts.
-Expected<std::vector<fs::path>> networks_for(network::Task task) {
+Expected<std::vector<fs::path>> networks_for(IsFor is_for) {
   std::vector<fs::path> usable;
   for (const fs::path& folder : network_folders()) {
-    ROOMWISE_TRY(const auto files, list_networks(folder, task));
+    ROOMWISE_TRY(const auto files, list_networks(folder, is_for));
     for (const fs::path& file : files) {
       const bool hidden = std::ranges::any_of(
           usable, [&](const fs::path& other) { return other.filename() == file.filename(); });
@@ -54,7 +60,7 @@ Expected<std::vector<fs::path>> networks_for(network::Task task) {
 // The smallest classifier of the folders that names such things looks closer beside the detector.
 Expected<void> add_closer_looks(objects::ObjectFinders& all,
                                 const std::shared_ptr<const network::Detector>& detector) {
-  ROOMWISE_TRY(auto files, networks_for(network::Task::kClassify));
+  ROOMWISE_TRY(auto files, networks_for(classifies));
   std::ranges::stable_sort(files, {}, [](const fs::path& file) {
     std::error_code ignored;
     return fs::file_size(file, ignored);
@@ -106,7 +112,7 @@ Expected<ChosenFiles> choose_files(const NetworkOptions& options, bool also_brou
                files.front().stem().string());
   }
   if (are_defaults && also_brought && brought && !is_brought) {
-    ROOMWISE_TRY(const auto more, list_networks(*brought, network::Task::kClassify));
+    ROOMWISE_TRY(const auto more, list_networks(*brought, classifies));
     files.insert(files.end(), more.begin(), more.end());
   }
   return ChosenFiles{std::move(files), are_defaults};
@@ -183,16 +189,16 @@ std::optional<fs::path> brought_network_folder() {
 }
 
 Expected<std::vector<fs::path>> usable_networks() {
-  ROOMWISE_TRY(auto usable, networks_for(network::Task::kClassify));
+  ROOMWISE_TRY(auto usable, networks_for(classifies));
   const auto brought = brought_network_folder();
   if (usable.empty() && brought) {
-    ROOMWISE_TRY(usable, list_networks(*brought, network::Task::kClassify));
+    ROOMWISE_TRY(usable, list_networks(*brought, classifies));
   }
   return usable;
 }
 
 Expected<std::vector<fs::path>> usable_detectors() {
-  return networks_for(network::Task::kNanoDetPlus);
+  return networks_for(network::finds_things);
 }
 
 const network::CatalogueEntry* find_catalogue_entry(const std::string& name) {

@@ -211,7 +211,7 @@ Expected<Answer> describe_detector(const fs::path& path) {
 
 Expected<Answer> describe_network(const fs::path& path) {
   const auto found_card = network::find_model_card(path);
-  if (found_card && found_card->task == network::Task::kNanoDetPlus) return describe_detector(path);
+  if (found_card && network::finds_things(found_card->task)) return describe_detector(path);
   ROOMWISE_TRY(const auto network, network::OnnxClassifier::load(path));
   const network::ModelCard& card = network->card();
   Facts facts(path, "network");

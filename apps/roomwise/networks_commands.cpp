@@ -62,7 +62,7 @@ std::string what_for(const fs::path& file) {
   }
   const auto card = network::find_model_card(file);
   if (!card) return "no card";
-  if (card->task != network::Task::kClassify) return "finds things";
+  if (network::finds_things(card->task)) return "finds things";
   const std::string gives = card->labels_file.empty() ? "features" : "features and names";
   return in_eight_bits ? gives + ", 8 bits" : gives;
 }

@@ -145,7 +145,7 @@ Expected<Answer> bench(const LookOptions& options, Context& /*context*/) {
   const std::size_t before = resident_bytes();
   const double load_start_s = thread_cpu_time_s();
   std::function<Expected<void>()> look;
-  if (card.task == network::Task::kClassify) {
+  if (!network::finds_things(card.task)) {
     ROOMWISE_TRY(std::shared_ptr<network::OnnxClassifier> loaded,
                  network::OnnxClassifier::load(file));
     look = [loaded, &picture]() -> Expected<void> {

@@ -5,13 +5,15 @@
 
 namespace roomwise::network {
 
-struct BuiltInCard {
-  std::string_view network;  // the weights file's name without its ending
-  std::string_view json;
+struct BuiltInText {
+  std::string_view name;
+  std::string_view text;
 };
 
-// The cards in models/, compiled in by the build.
-[[nodiscard]] std::span<const BuiltInCard> built_in_cards();
+// The cards in models/, compiled in by the build, each by its weights file's name without ending.
+[[nodiscard]] std::span<const BuiltInText> built_in_cards();
+// Files of labels, a label a line, likewise, by their names.
+[[nodiscard]] std::span<const BuiltInText> built_in_labels();
 // models/catalogue.json, likewise.
 [[nodiscard]] std::string_view built_in_catalogue();
 

@@ -13,6 +13,13 @@
 namespace roomwise::network {
 namespace {
 
+constexpr std::initializer_list<std::pair<std::string_view, Task>> kTasks{
+    {"classify", Task::kClassify},
+    {"nanodet-plus", Task::kNanoDetPlus},
+    {"yolox", Task::kYolox},
+    {"yolov5", Task::kYolov5},
+    {"yolov8", Task::kYolov8}};
+
 using Json = nlohmann::json;
 
 // Reads the fields of one JSON object, naming it in every error ("NAME.card.json: input.width").
@@ -116,6 +123,14 @@ class Fields {
 
 }  // namespace
 
+bool finds_things(Task task) {
+  return task != Task::kClassify;
+}
+
+std::string_view name_of(Task task) {
+  return std::ranges::find(kTasks, task, [](const auto& one) { return one.second; })->first;
+}
+
 Expected<ModelCard> ModelCard::parse(std::string_view json, const std::string& origin) {
   const Json root = Json::parse(json, nullptr, /*allow_exceptions=*/false);
   if (!root.is_object()) {
@@ -134,19 +149,21 @@ Expected<ModelCard> ModelCard::parse(std::string_view json, const std::string& o
 
   ModelCard result;
   ROOMWISE_TRY(result.name, card.text("name", ""));
-  ROOMWISE_TRY(result.task, card.choice<Task>("task", {{"classify", Task::kClassify},
-                                                       {"nanodet-plus", Task::kNanoDetPlus}}));
+  ROOMWISE_TRY(result.task, card.choice<Task>("task", kTasks));
   ROOMWISE_TRY(result.input_width_px, input.side_px("width"));
   ROOMWISE_TRY(result.input_height_px, input.side_px("height"));
   ROOMWISE_TRY(result.color_order, input.choice<ColorOrder>("colors", {{"rgb", ColorOrder::kRgb},
                                                                        {"bgr", ColorOrder::kBgr}}));
   ROOMWISE_TRY(result.fit, input.choice<PictureFit>("fit", {{"stretch", PictureFit::kStretch},
-                                                            {"crop", PictureFit::kCenterCrop}}));
+                                                            {"crop", PictureFit::kCenterCrop},
+                                                            {"pad", PictureFit::kPad}}));
   ROOMWISE_TRY(result.mean, card.per_channel("mean", result.mean));
   ROOMWISE_TRY(result.scale, card.per_channel("scale", result.scale));
-  if (result.task != Task::kClassify && result.fit != PictureFit::kStretch) {
-    return fail("{}: input.fit: a network that finds things takes the whole picture: \"stretch\"",
-                origin);
+  if (finds_things(result.task) && result.fit == PictureFit::kCenterCrop) {
+    return fail(
+        "{}: input.fit: a network that finds things takes the whole picture: \"stretch\" or "
+        "\"pad\"",
+        origin);
   }
   ROOMWISE_TRY(result.features_outputs, outputs.texts("features"));
   ROOMWISE_TRY(result.scores_output, outputs.text("scores", ""));
@@ -182,9 +199,9 @@ Expected<ModelCard> find_model_card(const std::filesystem::path& weights) {
     ROOMWISE_TRY(const std::string json, read_text_file(beside));
     return ModelCard::parse(json, beside.string()).map(with_name);
   }
-  for (const BuiltInCard& card : built_in_cards()) {
-    if (card.network == name) {
-      return ModelCard::parse(card.json, fmt::format("models/{}.card.json", name)).map(with_name);
+  for (const BuiltInText& card : built_in_cards()) {
+    if (card.name == name) {
+      return ModelCard::parse(card.text, fmt::format("models/{}.card.json", name)).map(with_name);
     }
   }
   return fail(

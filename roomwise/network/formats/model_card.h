@@ -14,13 +14,21 @@ namespace roomwise::network {
 enum class PictureFit {
   kStretch,     // width and height scaled apart
   kCenterCrop,  // the largest centred part of the input's proportions
+  kPad,         // scaled as a whole into the input's upper left corner, the rest grey (114)
 };
 enum class ColorOrder { kRgb, kBgr };
 // What a network is for.
 enum class Task {
-  kClassify,     // looks at whole pictures: features, and scores of labels (OnnxClassifier)
-  kNanoDetPlus,  // finds things in a picture (Detector)
+  kClassify,  // looks at whole pictures: features, and scores of labels (OnnxClassifier)
+  // Finds things in a picture (Detector), giving boxes as the network of this name does.
+  kNanoDetPlus,
+  kYolox,
+  kYolov5,
+  kYolov8,
 };
+[[nodiscard]] bool finds_things(Task task);
+// "classify", "nanodet-plus", "yolox", "yolov5" or "yolov8".
+[[nodiscard]] std::string_view name_of(Task task);
 
 // Which network the weights are of.
 enum class Architecture {
@@ -39,8 +47,9 @@ enum class Architecture {
 //     "labels": "labels.txt", "first_label": 0,
 //     "license": "Apache-2.0", "source": "where it came from",
 //     "sha256": "the weights file's, 64 digits", "notes": ["what else is known of it"] }
-// "features" may be a list of names; "task" may be "nanodet-plus". Weights without their network
-// (.pth, .safetensors) are of an "architecture": "inception-v3".
+// "features" may be a list of names; "task" may be "nanodet-plus", "yolox", "yolov5" or "yolov8";
+// "fit" may be "crop" or, where things are found, "pad".
+// Weights without their network (.pth, .safetensors) are of an "architecture": "inception-v3".
 struct ModelCard {
   std::string name;  // the weights file's name without its ending where the card gives none
   Task task = Task::kClassify;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "roomwise/base/file.h"
+#include "roomwise/network/formats/built_in_cards.h"
 #include "roomwise/network/formats/safetensors.h"
 #include "roomwise/network/formats/torch_checkpoint_reader.h"
 #include "roomwise/network/graph/inception_v3.h"
@@ -31,6 +32,21 @@ Expected<void> fix_input(OnnxGraph& graph, const ModelCard& card) {
   return {};
 }
 
+Expected<std::vector<std::string>> parse_labels(std::string_view text, const std::string& origin) {
+  std::vector<std::string> labels;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    std::string label(text.substr(begin, end - begin));
+    if (label.ends_with('\r')) label.pop_back();
+    begin = end + 1;
+    if (label.empty())
+      return fail("{}:{}: the line is empty; expected a label", origin, labels.size() + 1);
+    labels.push_back(std::move(label));
+  }
+  if (labels.empty()) return fail("{}: holds no label; expected one a line", origin);
+  return labels;
+}
+
 Expected<std::vector<std::string>> labels_for(const ModelCard& card,
                                               const std::filesystem::path& weights,
                                               const std::optional<std::filesystem::path>& labels) {
@@ -39,6 +55,8 @@ Expected<std::vector<std::string>> labels_for(const ModelCard& card,
   const std::filesystem::path beside = weights.parent_path() / card.labels_file;
   std::error_code ignored;
   if (!std::filesystem::exists(beside, ignored)) {
+    const auto known = std::ranges::find(built_in_labels(), card.labels_file, &BuiltInText::name);
+    if (known != built_in_labels().end()) return parse_labels(known->text, card.labels_file);
     return fail("{}: its labels are missing; put {} there or name the file with its labels",
                 weights.string(), beside.string());
   }
@@ -114,19 +132,7 @@ bool has_ending_of_network(const std::filesystem::path& file) {
 
 Expected<std::vector<std::string>> read_labels(const std::filesystem::path& path) {
   ROOMWISE_TRY(const std::string text, read_text_file(path));
-  std::vector<std::string> labels;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    std::string label = text.substr(begin, end - begin);
-    if (label.ends_with('\r')) label.pop_back();
-    begin = end + 1;
-    if (label.empty()) {
-      return fail("{}:{}: the line is empty; expected a label", path.string(), labels.size() + 1);
-    }
-    labels.push_back(std::move(label));
-  }
-  if (labels.empty()) return fail("{}: holds no label; expected one a line", path.string());
-  return labels;
+  return parse_labels(text, path.string());
 }
 
 Expected<NetworkFile> read_network_file(const std::filesystem::path& weights,

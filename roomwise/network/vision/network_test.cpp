@@ -276,13 +276,25 @@ TEST(ModelCard, NamesTheFieldThatIsWrong) {
   EXPECT_ERROR(parse(R"({"input": {"width": 5, "height": 5}, "outputs": {"softmax": 1}})"),
                "outputs.softmax");
   EXPECT_ERROR(parse(R"({"task": "dream", "input": {"width": 5, "height": 5}})"),
-               "task: expected \"classify\" or \"nanodet-plus\", not \"dream\"");
+               "task: expected \"classify\" or \"nanodet-plus\" or \"yolox\" or \"yolov5\" or "
+               "\"yolov8\", not \"dream\"");
   EXPECT_ERROR(parse(R"({"task": "nanodet-plus",
                          "input": {"width": 5, "height": 5, "fit": "crop"}})"),
                "input.fit");
   EXPECT_ERROR(parse(R"({"input": {"width": 5, "height": 5}, "first_label": -1})"), "first_label");
   EXPECT_ERROR(parse(R"({"input": {"width": 5, "height": 5}, "architecture": "vgg"})"),
                "architecture: expected \"own\" or \"inception-v3\", not \"vgg\"");
+}
+
+// Those whose addresses the catalogue has are found by their published files' names.
+TEST(ModelCard, OfPublishedDetectorsAreBroughtAlong) {
+  for (const char* name :
+       {"yolox_nano", "yolox_tiny", "yolox_s", "yolox_m", "nanodet-plus-m_416"}) {
+    const auto card = find_model_card(std::string("nowhere/") + name + ".onnx");
+    ASSERT_OK(card);
+    EXPECT_TRUE(finds_things(card->task)) << name;
+    EXPECT_EQ(card->labels_file, "coco-labels-80.txt") << name;
+  }
 }
 
 // That of torchvision's weights, which a user puts beside the labels of 1001 classes.
