@@ -60,7 +60,8 @@ Expected<void> write_evidence(const fs::path& path, std::span<const trials::Fitt
   return write_file(path, lines);
 }
 
-// What a model finds in the case that was left out of its fit.
+// What a model finds in a case whose recording was left out of its fit: with all cases of that
+// recording, such as homes that another detector looked at.
 struct LeftOut {
   const trials::FittingCase* of = nullptr;
   double min_probability = 0;
@@ -71,10 +72,10 @@ struct LeftOut {
 Expected<LeftOut> leave_out(std::size_t held_out, std::span<const trials::FittingCase> cases,
                             const trials::FittingOptions& options) {
   std::vector<const trials::FittingCase*> others;
-  for (std::size_t i = 0; i < cases.size(); ++i) {
-    if (i != held_out) others.push_back(&cases[i]);
-  }
   const trials::FittingCase& one = cases[held_out];
+  for (const trials::FittingCase& other : cases) {
+    if (other.name != one.name) others.push_back(&other);
+  }
   ROOMWISE_TRY(const objects::InstanceModel model, fit_instances(others, options));
   const double max_distance_m = options.max_distance_m;
   const auto jackknife = trials::with_jackknife_alone(model);

@@ -13,7 +13,7 @@
 namespace roomwise::network {
 namespace {
 
-constexpr std::initializer_list<std::pair<std::string_view, Task>> kTasks{
+const std::initializer_list<std::pair<std::string_view, Task>> kTasks{
     {"classify", Task::kClassify},
     {"nanodet-plus", Task::kNanoDetPlus},
     {"yolox", Task::kYolox},
