@@ -18,6 +18,7 @@
 #include "roomwise/live/recognition_log.h"
 #include "roomwise/live/room_photos.h"
 #include "roomwise/live/uploads.h"
+#include "roomwise/live/work_places.h"
 #include "roomwise/objects/proposals/object_finders.h"
 #include "roomwise/pipeline/edits/edit_things.h"
 #include "roomwise/pipeline/rooms/room_coverage.h"
@@ -56,6 +57,8 @@ struct LiveHomeOptions {
   home::OpenOptions open = {};  // the passphrase of a protected home
   // What is removed and could be undone is erased when the home is opened, and when it is closed.
   bool erases_removed = true;
+  // For long work, shared by all homes of a process.
+  std::shared_ptr<WorkPlaces> work_places = std::make_shared<WorkPlaces>(1);
   // Seconds since 1970.
   std::function<std::int64_t()> clock = [] { return std::int64_t{0}; };
   // A line of each job and of what failed, never of what was asked; on any thread.
@@ -276,6 +279,10 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<JobEnd> map(const std::filesystem::path& folder,
                                      recording::FrameSource& walk, Progress& progress);
   [[nodiscard]] Expected<JobEnd> prepare(Progress& progress);
+  // A job that begins when there is a place for it.
+  [[nodiscard]] Expected<void> start_work(
+      const std::string& kind, Jobs::Body body,
+      WorkPlaces::Urgency urgency = WorkPlaces::Urgency::kCanWait);
   // From now on each picture of the map that cannot be read again is logged once more.
   void begin_lost_pictures();
   [[nodiscard]] Expected<JobEnd> learn_now(Progress& progress);
@@ -334,6 +341,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   std::atomic<std::uint64_t> dropped_by_gone_{0};          // by devices that are not here any more
   std::shared_ptr<pipeline::LostPictures> lost_pictures_;  // jobs alone
 
+  WorkPlaces::Place* work_place_ = nullptr;  // of the job in hand, by its thread alone
   // Last, so that their threads end first.
   std::unique_ptr<FrameWorkers> looking_;
   std::unique_ptr<Jobs> jobs_;

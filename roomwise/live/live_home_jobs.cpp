@@ -55,8 +55,20 @@ std::optional<JobEnd> why_not_learned(const std::map<std::string, std::size_t>& 
 
 }  // namespace
 
+Expected<void> LiveHome::start_work(const std::string& kind, Jobs::Body body,
+                                    WorkPlaces::Urgency urgency) {
+  return jobs_->start(
+      kind, [this, body = std::move(body), urgency](Progress& progress) -> Expected<JobEnd> {
+        ROOMWISE_TRY(WorkPlaces::Place place, options_.work_places->take(urgency, progress));
+        work_place_ = &place;
+        return body(progress);
+      });
+}
+
 Expected<void> LiveHome::start_preparing() {
-  return jobs_->start("prepare", [this](Progress& progress) { return prepare(progress); });
+  return start_work(
+      "prepare", [this](Progress& progress) { return prepare(progress); },
+      WorkPlaces::Urgency::kAnswersWait);
 }
 
 bool LiveHome::stop_preparing() {
@@ -88,6 +100,7 @@ Expected<JobEnd> LiveHome::prepare(Progress& progress) {
       ROOMWISE_CHECK_OK(home_.put_derived_data(*map->localizer->new_index()));
     ROOMWISE_CHECK_OK(refresh(map));
   }
+  ROOMWISE_CHECK_OK(work_place_->go_on_as(WorkPlaces::Urgency::kCanWait, progress));
   ROOMWISE_TRY(map, with_clouds(*map, reader, run));
   const std::scoped_lock lock(home_mutex_);
   ROOMWISE_CHECK_OK(refresh(std::move(map)));
@@ -108,7 +121,7 @@ Expected<void> LiveHome::learn() {
     }
   }
   static_cast<void>(stop_preparing());  // it is gone on with afterwards
-  return jobs_->start("learn", [this](Progress& progress) -> Expected<JobEnd> {
+  return start_work("learn", [this](Progress& progress) -> Expected<JobEnd> {
     ROOMWISE_TRY(JobEnd learned, learn_now(progress));
     if (learned.has_failed) return learned;
     const auto now = view();
@@ -215,12 +228,12 @@ Expected<void> LiveHome::end_recording() {
 }
 
 Expected<void> LiveHome::start_mapping(const fs::path& folder) {
-  return jobs_->start("map",
-                      [this, folder](Progress& progress) { return map_folder(folder, progress); });
+  return start_work("map",
+                    [this, folder](Progress& progress) { return map_folder(folder, progress); });
 }
 
 Expected<void> LiveHome::start_mapping_what_waits() {
-  return jobs_->start("map", [this](Progress& progress) -> Expected<JobEnd> {
+  return start_work("map", [this](Progress& progress) -> Expected<JobEnd> {
     Expected<JobEnd> mapped = JobEnd{"nothing waited to be mapped", "nothing_waited"};
     while (mapped) {
       ROOMWISE_TRY(const auto walk, waiting_walk());
@@ -249,7 +262,7 @@ Expected<JobEnd> LiveHome::map_folder(const fs::path& folder, Progress& progress
 }
 
 Expected<void> LiveHome::start_mapping(std::shared_ptr<const WalkRecorder> walk) {
-  return jobs_->start("map", [this, walk](Progress& progress) -> Expected<JobEnd> {
+  return start_work("map", [this, walk](Progress& progress) -> Expected<JobEnd> {
     ROOMWISE_TRY(const auto frames, WalkFrames::open(walk, progress));
     return map(walk->folder(), *frames, progress);
   });

@@ -165,7 +165,7 @@ Expected<void> LiveHome::teach(const std::shared_ptr<Device>& device, const std:
                              .owner = owner_of(device->who()),
                              .is_shared = !is_private,
                              .taught_s = unix_now_ns() / kNanoseconds};
-  return jobs_->start(
+  return start_work(
       "teach",
       [this, device, thing, shown = std::move(shown)](Progress& progress) -> Expected<JobEnd> {
         auto taught = teach_now(thing, shown, progress);
@@ -185,7 +185,8 @@ Expected<void> LiveHome::teach(const std::shared_ptr<Device>& device, const std:
                                : JobEnd{"a thing is known, and looked for once there is a walk",
                                         "taught_for_later"};
         });
-      });
+      },
+      WorkPlaces::Urgency::kAnswersWait);
 }
 
 Expected<bool> LiveHome::teach_now(const home::OwnThing& thing,
@@ -234,7 +235,7 @@ Expected<void> LiveHome::change_own_thing(const service::Identity& who, const st
   ROOMWISE_CHECK_OK(while_idle([&] { return change(change_it); }));
   // The others are looked for as before; what was usual was worked out with it.
   if (view()->own_things.empty() || jobs_->running()) return {};
-  return jobs_->start("teach", [this](Progress& progress) -> Expected<JobEnd> {
+  return start_work("teach", [this](Progress& progress) -> Expected<JobEnd> {
     const std::scoped_lock lock(home_mutex_);
     ROOMWISE_CHECK_OK(look_for_own_things(progress).map([](bool) {}));
     return JobEnd{"what is left is looked for as before", "looked_for"};

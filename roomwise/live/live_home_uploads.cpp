@@ -100,7 +100,7 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
                 upload.bytes);
   }
   ROOMWISE_CHECK_OK(check_idle());
-  return jobs_->start("map", [this, upload](Progress& progress) -> Expected<JobEnd> {
+  return start_work("map", [this, upload](Progress& progress) -> Expected<JobEnd> {
     ROOMWISE_TRY(const TakenIn taken, take_in(upload, progress));
     if (taken.refused) return *taken.refused;
     const fs::path& path = taken.path;
