@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
 
 #include "roomwise/base/file.h"
 #include "roomwise/base/random.h"
@@ -25,6 +26,8 @@ using ::testing::Not;
 using testing::ProgramResult;
 using testing::result_of;
 using testing::run_roomwise;
+
+namespace fs = std::filesystem;
 
 std::string sha256_of(const std::string& text) {
   return sha256_hex(Bytes(text.begin(), text.end()));
@@ -71,7 +74,8 @@ TEST_F(NetworksCommandsTest, APublishedNetworkIsFetchedAndFound) {
   EXPECT_EQ(server_.requests().size(), 1u);
 
   EXPECT_EQ(ask({"networks", "verify"})[0]["digits_checked"], 64) << "as it was recorded";
-  for (const json& known : ask({"networks", "list"})["known"]) {
+  const json listed = ask({"networks", "list"});
+  for (const json& known : listed["known"]) {
     EXPECT_EQ(known["installed"].is_null(), known["name"] != "resnet50-v1-onnx");
   }
   // Without a card it cannot be used; with one, commands take it by default.
@@ -108,6 +112,32 @@ std::string convolving_network(std::uint64_t seed) {
       {{"features", {1, 16}}}});
 }
 
+// A detector that was fetched because it is better takes the place of the one that was there; one
+// that knows other things looks beside it.
+TEST_F(NetworksCommandsTest, OfDetectorsWithTheSameLabelsTheLargestIsUsed) {
+  const std::string folder = "roomwise/networks/";
+  fs::create_directories(path(folder));
+  const auto put = [&](const std::string& name, const std::string& network,
+                       const std::string& labels) {
+    ASSERT_OK(write_file(path(folder + name + ".onnx"), network));
+    ASSERT_OK(write_file(
+        path(folder + name + ".card.json"),
+        R"({"task": "yolox", "input": {"width": 6, "height": 4}, "labels": ")" + labels + R"("})"));
+  };
+  const std::string remark = "\x32\x04more";  // ModelProto.doc_string
+  put("a", network_, "coco-labels-80.txt");
+  put("b", network_ + remark, "coco-labels-80.txt");
+  ASSERT_OK(write_file(path(folder + "aids.txt"), "walker\n"));
+  put("c", network_, "aids.txt");
+  std::map<std::string, bool> used;
+  const json listed = ask({"networks", "list"});
+  for (const json& one : listed["here"]) {
+    const fs::path file = one["file"].get<std::string>();
+    if (one["for"] == "finds things") used[file.stem()] = one["used_by_default"];
+  }
+  EXPECT_EQ(used, (std::map<std::string, bool>{{"a", false}, {"b", true}, {"c", true}}));
+}
+
 TEST_F(NetworksCommandsTest, ANetworkIsMadeToRunInEightBits) {
   for (const char* folder : {"roomwise/networks", "photos/red", "photos/noise", "few"})
     std::filesystem::create_directories(path(folder));
@@ -135,7 +165,8 @@ TEST_F(NetworksCommandsTest, ANetworkIsMadeToRunInEightBits) {
   EXPECT_EQ(ask({"networks", "info", "tiny-8bit"})["eight_bits"]["network"], "tiny.onnx");
   EXPECT_GT(ask({"networks", "bench", "tiny-8bit", "--runs", "2"})["cpu_ms"], 0);
   EXPECT_EQ(ask({"info", file})["features"], 16);
-  for (const json& here : ask({"networks", "list"})["here"]) {
+  const json listed = ask({"networks", "list"});
+  for (const json& here : listed["here"]) {
     if (here["file"] != file) continue;
     EXPECT_EQ(here["for"], "features, 8 bits");
     EXPECT_FALSE(here["used_by_default"]);

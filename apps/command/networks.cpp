@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <ranges>
+#include <set>
 #include <utility>
 
 #include "roomwise/image/codec.h"
@@ -57,14 +59,18 @@ Expected<std::vector<fs::path>> networks_for(IsFor is_for) {
   return usable;
 }
 
-// The smallest classifier of the folders that names such things looks closer beside the detector.
-Expected<void> add_closer_looks(objects::ObjectFinders& all,
-                                const std::shared_ptr<const network::Detector>& detector) {
-  ROOMWISE_TRY(auto files, networks_for(classifies));
+void sort_by_size(std::vector<fs::path>& files) {
   std::ranges::stable_sort(files, {}, [](const fs::path& file) {
     std::error_code ignored;
     return fs::file_size(file, ignored);
   });
+}
+
+// The smallest classifier of the folders that names such things looks closer beside the detector.
+Expected<void> add_closer_looks(objects::ObjectFinders& all,
+                                const std::shared_ptr<const network::Detector>& detector) {
+  ROOMWISE_TRY(auto files, networks_for(classifies));
+  sort_by_size(files);
   const auto vocabulary = objects::ObjectVocabulary::standard();
   for (const fs::path& file : files) {
     const auto card = network::find_model_card(file);
@@ -198,7 +204,16 @@ Expected<std::vector<fs::path>> usable_networks() {
 }
 
 Expected<std::vector<fs::path>> usable_detectors() {
-  return networks_for(network::finds_things);
+  ROOMWISE_TRY(auto files, networks_for(network::finds_things));
+  sort_by_size(files);
+  std::vector<fs::path> usable;
+  std::set<std::vector<std::string>> known;
+  for (const fs::path& file : files | std::views::reverse) {
+    const auto network = network::read_network_file(file, std::nullopt);
+    // Loading says what is wrong with one that cannot be read.
+    if (!network || known.insert(network->labels).second) usable.push_back(file);
+  }
+  return usable;
 }
 
 const network::CatalogueEntry* find_catalogue_entry(const std::string& name) {
