@@ -49,14 +49,43 @@ guide::Prompt excuse(const std::string& message, const guide::Wording& wording, 
                             guide::after(nanoseconds(now_t_ms), guide::kNoticeValid_s));
 }
 
-guide::Prompt where_am_i(const Situation& situation, const guide::Wording& wording) {
-  if (!situation.home.recognizer)
-    return excuse("device.nothing_learned", wording, situation.now_t_ms);
-  if (situation.result == nullptr || !situation.result->decision) {
-    return no_picture(situation.settings, situation.now_t_ms);
+// The room by a picture. Pictures speak for no room that was not learned, and may not tell one that
+// was: then the place on the map answers.
+std::optional<rooms::RoomDecision> decision_of(const FrameResult& result, const HomeView& home) {
+  const auto& by_pictures = result.decision;
+  const bool is_named = by_pictures && by_pictures->verdict == rooms::Verdict::kRoom;
+  if (is_named || !result.place) return by_pictures;
+  auto by_place = home.room_around(result.place->position_gravity(), result.place->sigma_m);
+  if (!by_place) return by_pictures;
+  if (by_pictures) {
+    const auto learned =
+        std::ranges::find(by_pictures->rooms, by_place->room, &rooms::RoomScore::room);
+    if (learned != by_pictures->rooms.end()) {
+      if (by_pictures->allows(by_place->room)) return by_pictures;
+      // Two opinions that differ count alike (the linear opinion pool: Stone 1961).
+      by_place->score = (by_place->score + learned->score) / 2;
+    }
   }
-  return guide::room_prompt(*situation.result->decision, hint_of(*situation.result), wording,
-                            nanoseconds(situation.result->t_ms));
+  if (by_place->score < 0.5) return by_pictures;
+  rooms::RoomDecision decision;
+  decision.verdict = rooms::Verdict::kRoom;
+  decision.why = fmt::format("the place on the map lies in {}", by_place->room);
+  decision.rooms = {*std::move(by_place)};
+  return decision;
+}
+
+guide::Prompt where_am_i(const Situation& situation, const guide::Wording& wording) {
+  const HomeView& home = situation.home;
+  const FrameResult* const result = situation.result;
+  if (result != nullptr) {
+    if (const auto decision = decision_of(*result, home)) {
+      return guide::room_prompt(*decision, hint_of(*result), wording, nanoseconds(result->t_ms));
+    }
+  }
+  const bool knows_rooms = home.recognizer != nullptr || (home.map && !home.rooms.empty());
+  if (!knows_rooms) return excuse("device.nothing_learned", wording, situation.now_t_ms);
+  if (result == nullptr) return no_picture(situation.settings, situation.now_t_ms);
+  return excuse("route.no_place", wording, situation.now_t_ms);
 }
 
 // The way from where somebody stands to the nearest thing that they mean.
@@ -555,13 +584,14 @@ std::vector<guide::Prompt> Announcer::after(const Situation& situation, bool tel
     prompts.push_back(guide::hazard_prompt(*result.obstacle_m, wording_of(situation.settings),
                                            nanoseconds(result.t_ms)));
   }
-  if (!result.decision) return prompts;
-  const std::string before = std::exchange(room_now_, result.decision->room().value_or(""));
+  const auto decision = decision_of(result, situation.home);
+  if (!decision) return prompts;
+  const std::string before = std::exchange(room_now_, decision->room().value_or(""));
   // Two looks must agree: one may fall on a mirror, or through a door.
   const bool is_certain = !room_now_.empty() && room_now_ == before;
   if (!is_certain || room_now_ == room_called_) return prompts;
   // Nothing where it is not sure enough to be said unasked; a later look may be.
-  if (auto prompt = guide::entered_prompt(*result.decision, wording_of(situation.settings),
+  if (auto prompt = guide::entered_prompt(*decision, wording_of(situation.settings),
                                           nanoseconds(result.t_ms))) {
     room_called_ = room_now_;
     prompts.push_back(*std::move(prompt));
@@ -572,8 +602,10 @@ std::vector<guide::Prompt> Announcer::after(const Situation& situation, bool tel
 void Announcer::answered(const Situation& situation, const std::vector<guide::Prompt>& prompts) {
   const bool names_the_room =
       std::ranges::any_of(prompts, [](const auto& one) { return one.message == "room.is"; });
-  if (!names_the_room || situation.result == nullptr || !situation.result->decision) return;
-  room_called_ = situation.result->decision->room().value_or(room_called_);
+  if (!names_the_room || situation.result == nullptr) return;
+  if (const auto decision = decision_of(*situation.result, situation.home)) {
+    room_called_ = decision->room().value_or(room_called_);
+  }
 }
 
 }  // namespace roomwise::live

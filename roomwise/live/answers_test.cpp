@@ -297,5 +297,94 @@ TEST(Answers, WhereAmIRestsOnAPicture) {
   EXPECT_EQ(answer(ask, {home, nullptr, settings, 0}).at(0).message, "device.nothing_learned");
 }
 
+// A home of which the map knows two rooms, and a picture from the bedroom.
+class WhereByPlace : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    home.layout = guide::testing::layout_of_two_rooms(guide::testing::two_rooms().grid());
+    stand_at(1, 2);
+  }
+  void stand_at(double x, double y) {
+    result.place = at_the_origin();
+    result.place->gravity_from_camera.translation = {x, y, 1.3};
+  }
+  void pictures_say(rooms::Verdict verdict, std::vector<rooms::RoomScore> scores) {
+    result.decision.emplace();
+    result.decision->verdict = verdict;
+    result.decision->rooms = std::move(scores);
+  }
+  std::string told() {
+    const service::Ask ask{1, 600, service::Question::kWhereAmI, ""};
+    return answer(ask, {home, &result, settings, 600}).at(0).text;
+  }
+
+  HomeView home;
+  FrameResult result;
+  service::SpeakingSettings settings;
+};
+
+TEST_F(WhereByPlace, AnswersWhereNothingWasLearned) {
+  EXPECT_EQ(told(), "You are in the bedroom.");
+  stand_at(3.9, 3.45);
+  result.place->sigma_m = 0.3;
+  EXPECT_EQ(told(), "Probably the bedroom.") << "in the door, give or take a step";
+  result.place.reset();
+  EXPECT_EQ(told(), "I have not learned any rooms yet.");
+  home.map = std::make_shared<const LiveMap>();
+  home.rooms = {{"bedroom", "bedroom"}};
+  EXPECT_EQ(told(), "I do not know where you stand. Turn slowly.");
+}
+
+TEST_F(WhereByPlace, AnswersInARoomThatWasNotLearned) {
+  pictures_say(rooms::Verdict::kNoneOfThem, {{"hall", 0.9}, {"kitchen", 0.1}});
+  EXPECT_EQ(told(), "You are in the bedroom.");
+  pictures_say(rooms::Verdict::kEither, {{"hall", 0.5}, {"kitchen", 0.5}});
+  EXPECT_EQ(told(), "You are in the bedroom.");
+  pictures_say(rooms::Verdict::kRoom, {{"hall", 0.99}});
+  EXPECT_EQ(told(), "You are in the hall.") << "by pictures, which weigh the place, too";
+}
+
+TEST_F(WhereByPlace, IsOneOfTwoOpinionsOnARoomThatWasLearned) {
+  pictures_say(rooms::Verdict::kNotSure, {{"kitchen", 0.5}, {"bedroom", 0.3}, {"hall", 0.2}});
+  EXPECT_EQ(told(), "Probably the bedroom.");
+  pictures_say(rooms::Verdict::kNoneOfThem, {{"bedroom", 0.99}, {"kitchen", 0.01}});
+  EXPECT_EQ(told(), "You are in the bedroom.");
+  pictures_say(rooms::Verdict::kEither, {{"kitchen", 0.5}, {"bedroom", 0.5}});
+  EXPECT_EQ(told(), "Either the kitchen or the bedroom.");
+  pictures_say(rooms::Verdict::kNotSure, {{"kitchen", 0.9}, {"bedroom", 0.01}});
+  stand_at(3.9, 3.45);
+  result.place->sigma_m = 1;
+  EXPECT_EQ(told(), "I am not sure. Turn slowly.");
+}
+
+TEST_F(WhereByPlace, CallsARoomOutThatWasNotLearned) {
+  Announcer announcer;
+  const auto called = [&] { return announcer.after({home, &result, settings, 600}); };
+  EXPECT_THAT(called(), SizeIs(0));
+  const auto told = called();
+  ASSERT_THAT(told, SizeIs(1));
+  EXPECT_EQ(told[0].text, "Now in the bedroom.");
+  EXPECT_THAT(called(), SizeIs(0));
+}
+
+TEST_F(WhereByPlace, IsByTheNamesOfTheWalksWhereTheMapShowsNoFloor) {
+  home.layout.reset();
+  home.map = std::make_shared<const LiveMap>();
+  const auto walked = [&](double x, const std::string& room, bool on_map = true) {
+    ViewedKeyframe one{{}, room, on_map};
+    one.keyframe.pose.world_from_keyframe.translation = {x, 2, 1.3};
+    home.keyframes.push_back(one);
+  };
+  walked(0.6, "study");
+  walked(1.3, "study");
+  walked(1.2, "elsewhere", false);
+  walked(4, "hall");
+  EXPECT_EQ(told(), "Probably the study.");
+  walked(1.8, "hall");
+  EXPECT_EQ(told(), "I have not learned any rooms yet.") << "between two of them";
+  home.keyframes.back().room = "";
+  EXPECT_EQ(told(), "I have not learned any rooms yet.") << "where somebody walked unnamed";
+}
+
 }  // namespace
 }  // namespace roomwise::live

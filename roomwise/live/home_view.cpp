@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <ranges>
+#include <set>
 
 #include "roomwise/guide/spot_prompts.h"
 #include "roomwise/pipeline/edits/undo_edit.h"
@@ -239,6 +240,21 @@ void view_changes(const pipeline::HomeHistory& history, HomeView& view) {
   }
 }
 
+// People name a room a step early or late, and no floor tells where it ends: it is probable only.
+std::optional<rooms::RoomScore> room_by_walks(const HomeView& view,
+                                              const Eigen::Vector3d& point_gravity) {
+  constexpr double kAbout_m = 1, kProbable = 0.8;
+  std::set<std::string> names;
+  for (const ViewedKeyframe& one : view.keyframes) {
+    if (!view.map || !one.on_map) continue;
+    const Eigen::Vector3d taken_at =
+        view.map->frame.on_plan(one.keyframe.pose.world_from_keyframe).translation;
+    if ((taken_at - point_gravity).norm() < kAbout_m) names.insert(one.room);
+  }
+  if (names.size() != 1 || names.begin()->empty()) return std::nullopt;
+  return rooms::RoomScore{*names.begin(), kProbable};
+}
+
 }  // namespace
 
 namespace {
@@ -279,6 +295,16 @@ std::set<home::RecordingId> HomeView::walks_taken_away() const {
 std::optional<std::string> HomeView::room_at(const Eigen::Vector3d& point_gravity) const {
   if (!layout) return std::nullopt;
   return layout->room_at(point_gravity.head<2>());
+}
+
+std::optional<rooms::RoomScore> HomeView::room_around(const Eigen::Vector3d& point_gravity,
+                                                      double sigma_m) const {
+  if (!layout) return room_by_walks(*this, point_gravity);
+  const std::vector<double> shares = layout->room_probabilities(point_gravity.head<2>(), sigma_m);
+  const auto best = std::ranges::max_element(shares);
+  if (best == shares.end() || *best == 0) return std::nullopt;
+  return rooms::RoomScore{layout->rooms()[static_cast<std::size_t>(best - shares.begin())].name,
+                          *best};
 }
 
 ViewedSpot view_spot(const pipeline::MarkedSpot& spot, const std::string& name,

@@ -108,6 +108,10 @@ struct HomeView {
   [[nodiscard]] std::set<home::RecordingId> walks_taken_away() const;
   // The room that a point lies in by the layout.
   [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector3d& point_gravity) const;
+  // The room that a point, known with this standard deviation, most probably lies in, and how
+  // probable that is. Where the map shows no floor, the one whose name the walks have all about it.
+  [[nodiscard]] std::optional<rooms::RoomScore> room_around(const Eigen::Vector3d& point_gravity,
+                                                            double sigma_m) const;
 };
 
 // A spot as the view's map and rooms have its place. `name`: as it is asked for.
