@@ -20,6 +20,13 @@ std::size_t at(int index) {
 
 }  // namespace
 
+double clearance_m(const fusion::FloorGrid& floor, const Vector2d& place) {
+  const Eigen::Array2d cell = ((place - floor.origin_m()) / floor.cell_m()).array().floor();
+  const bool is_inside = (cell >= 0).all() && cell.x() < floor.columns() && cell.y() < floor.rows();
+  return is_inside ? floor.clearance_m(static_cast<int>(cell.x()), static_cast<int>(cell.y()))
+                   : std::numeric_limits<double>::infinity();
+}
+
 void FloorSearch::lead_over(std::span<const fusion::Staircase> stairs) {
   constexpr double kNear_m = 0.6;  // a stride from where the map says that one stands
   for (const fusion::Staircase& one : stairs) {

@@ -12,6 +12,9 @@
 
 namespace roomwise::guide {
 
+// From a place to what is occupied; infinity off the grid.
+[[nodiscard]] double clearance_m(const fusion::FloorGrid& floor, const Eigen::Vector2d& place);
+
 // Ways of a person over a floor grid: between cells where somebody of that radius fits; a metre
 // with less than comfort_m around it counts as up to twice as long.
 class FloorSearch {

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 
 #include "roomwise/guide/floor_search.h"
 #include "roomwise/guide/in_room.h"
-#include "roomwise/guide/obstacle.h"
+#include "roomwise/guide/surfaces.h"
 
 namespace roomwise::guide {
 namespace {
@@ -37,14 +36,6 @@ constexpr double kCorrection_s = 3;  // between two of them: the first must be h
 // finer than people turn.
 double straight_enough_rad(double length_m) {
   return std::clamp(std::atan2(0.4, length_m), 15 * kDegree_rad, 25 * kDegree_rad);
-}
-
-// From a place to what is occupied; infinity off the grid.
-double clearance_m(const fusion::FloorGrid& floor, const Vector2d& place) {
-  const Eigen::Array2d cell = ((place - floor.origin_m()) / floor.cell_m()).array().floor();
-  const bool is_inside = (cell >= 0).all() && cell.x() < floor.columns() && cell.y() < floor.rows();
-  return is_inside ? floor.clearance_m(static_cast<int>(cell.x()), static_cast<int>(cell.y()))
-                   : std::numeric_limits<double>::infinity();
 }
 
 double heading_to(const Vector2d& from, const Vector2d& to) {
@@ -127,9 +118,9 @@ void Guidance::keep_pace() {
   if (speed_m_s > kWalks_m_s) pace_m_s_ = std::max(kFades * pace_m_s_, speed_m_s);
 }
 
-Prompt Guidance::stop(const std::string& message, TimestampNs now_ns) {
+Prompt Guidance::stop(const Phrase& phrase, TimestampNs now_ns) {
   state_ = State::kStopped;
-  Prompt prompt = say({message}, now_ns);
+  Prompt prompt = say(phrase, now_ns);
   prompt.sound = Sound::kAlert;
   return prompt;
 }
@@ -463,7 +454,7 @@ std::optional<Prompt> Guidance::turning(const Pose& pose, TimestampNs now_ns) {
   const double quiet_s = silent_for_s(now_ns);
   const bool has_turned = std::abs(turn_rad(turn_from_rad_, pose.heading_rad)) > 8 * kDegree_rad;
   if (track_.speed_m_s().value_or(0) > kWalks_m_s && !has_turned && quiet_s > kReaction_s) {
-    return stop("guide.stop", now_ns);  // walks instead
+    return stop({"guide.stop"}, now_ns);  // walks instead
   }
   if (has_turned && !track_.may_turn() && track_.is_standing() && quiet_s > 0.5)
     return act(pose, now_ns);
@@ -513,11 +504,11 @@ std::optional<Prompt> Guidance::at_leg_end(const Pose& pose, TimestampNs now_ns)
   // The steps that were told end here: who takes more of them is stopped.
   if (is_last_leg()) {
     const bool is_past = left_on_leg_m(pose) - walked_since_pose_m() < -kLegEnd_m;
-    if (is_past && !track_.is_standing()) return stop("guide.stop", now_ns);
+    if (is_past && !track_.is_standing()) return stop({"guide.stop"}, now_ns);
     return std::nullopt;
   }
   // Nobody walks into stairs that they have not been told of.
-  if (is_next_leg_stairs()) return stop("guide.stop", now_ns);
+  if (is_next_leg_stairs()) return stop({"guide.stop"}, now_ns);
   if (goes_straight_on()) {
     const Leg& done = legs_[leg_++];
     announced_ = false;
@@ -539,7 +530,7 @@ std::optional<Prompt> Guidance::corner(const Pose& pose, TimestampNs now_ns) {
   const bool has_turned = std::abs(turn_rad(pose.heading_rad, next)) < 25 * kDegree_rad;
   if (has_turned && !track_.may_turn()) return act(pose, now_ns);
   const bool is_past = left_on_leg_m(pose) - walked_since_pose_m() < -kLegEnd_m;
-  if (!track_.is_standing() && is_past) return stop("guide.stop", now_ns);
+  if (!track_.is_standing() && is_past) return stop({"guide.stop"}, now_ns);
   // Who was told of the turn before makes it by themselves; who stands still is told.
   const bool waits = track_.is_standing() && !track_.may_turn();
   if (waits && silent_for_s(now_ns) > kStandsAfter_s) return act(pose, now_ns);
@@ -564,7 +555,7 @@ std::optional<Prompt> Guidance::off_the_way(const Pose& pose, TimestampNs now_ns
   if (!off_since_ns_) off_since_ns_ = now_ns;
   if (seconds_between(*off_since_ns_, now_ns) < options_.off_way_s) return std::nullopt;
   off_since_ns_.reset();
-  Prompt prompt = stop("guide.off", now_ns);
+  Prompt prompt = stop({"guide.off"}, now_ns);
   prompt.priority = Priority::kHazard;
   return prompt;
 }
@@ -704,11 +695,6 @@ bool Guidance::judges_obstacles(TimestampNs now_ns) const {
   return state_ == State::kWalking || track_.is_standing();
 }
 
-bool Guidance::is_on_map(const Vector2d& obstacle) const {
-  constexpr double kKnown_m = 0.15;  // places and maps are not exacter
-  return clearance_m(floor(), obstacle) < kKnown_m;
-}
-
 // What somebody is led up to is in nobody's way, nor is what it stands on.
 bool Guidance::is_goal(const Vector2d& obstacle) const {
   const bool is_solid = goal_.kind == Goal::Kind::kThing || goal_.kind == Goal::Kind::kWayOut;
@@ -734,25 +720,29 @@ std::optional<Guidance::InTheWay> Guidance::in_the_way(const Pose& pose) const {
       .length_m = std::min(WalkingCorridor().length_m, to_end_m + kLegEnd_m)};
   const WalkingCorridor narrow{.half_width_m = narrow_m, .length_m = line.length_m};
   const WalkingCorridor facing{.half_width_m = narrow_m};
-  const auto nearest_m = [&](const Pose& from, const WalkingCorridor& corridor, bool on_map) {
+  const auto nearest = [&](const Pose& from, const WalkingCorridor& corridor,
+                           bool on_map) -> std::optional<InTheWay> {
     std::vector<Vector2d> ahead;
     for (const Vector2d& obstacle : obstacles_) {
       const Vector2d seen = from.ahead_left_of(obstacle);
-      const bool counts = seen.x() > 0 && !is_goal(obstacle) && (on_map || !is_on_map(obstacle));
+      const bool counts =
+          seen.x() > 0 && !is_goal(obstacle) && (on_map || !is_on_map(obstacle, floor()));
       if (counts) ahead.push_back(seen);
     }
-    return nearest_ahead_m(ahead, corridor);
+    const auto obstacle = nearest_ahead(ahead, corridor);
+    if (!obstacle) return std::nullopt;
+    return InTheWay{*obstacle, from.place_of(obstacle->ahead_left_m), on_map};
   };
-  if (const auto ahead_m = nearest_m(along, line, false)) return InTheWay{*ahead_m, false};
+  if (const auto unknown = nearest(along, line, false)) return unknown;
   const double checked_m = std::min(to_end_m, line.length_m);
   const bool is_clear =
       FloorSearch(floor(), narrow_m, narrow_m)
           .is_clear(pose.position_gravity, along.place_of({checked_m, 0}), narrow_m);
-  std::optional<double> known_m = is_clear ? std::nullopt : nearest_m(along, narrow, true);
-  if (!known_m && std::abs(bearing_error_rad(pose)) > straight_enough_rad(to_end_m)) {
-    known_m = nearest_m(pose, facing, true);
+  std::optional<InTheWay> known = is_clear ? std::nullopt : nearest(along, narrow, true);
+  if (!known && std::abs(bearing_error_rad(pose)) > straight_enough_rad(to_end_m)) {
+    known = nearest(pose, facing, true);
   }
-  return known_m ? std::optional(InTheWay{*known_m, true}) : std::nullopt;
+  return known;
 }
 
 std::optional<Prompt> Guidance::hazard(const Pose& pose, TimestampNs now_ns) {
@@ -768,14 +758,19 @@ std::optional<Prompt> Guidance::hazard(const Pose& pose, TimestampNs now_ns) {
   if (obstacle->is_on_map && known_stop_at_) return std::nullopt;
   const double left_m = (legs_[leg_].to - pose.position_gravity).norm();
   // The first step is no hazard: before it one is stopped anyway.
-  if (is_next_leg_stairs() && obstacle->ahead_m > left_m - kLegEnd_m) return std::nullopt;
+  if (is_next_leg_stairs() && obstacle->ahead_m() > left_m - kLegEnd_m) return std::nullopt;
   hazard_ns_ = now_ns;
   const bool is_at_door = !obstacle->is_on_map && legs_[leg_].ends_at_door &&
-                          std::abs(obstacle->ahead_m - left_m) < kLegEnd_m;
+                          std::abs(obstacle->ahead_m() - left_m) < kLegEnd_m;
   // Who was told that a door is closed has opened it, or it was open: what is ahead of them then is
   // its frame or its leaf, beside which they go on.
   const bool is_closed = is_at_door && !was_barred_here(pose);
-  Prompt prompt = stop(is_closed ? "guide.stop_door" : "guide.stop_obstacle", now_ns);
+  const KnownThing* const thing = thing_at(obstacle->place_gravity, map_);
+  const bool is_sure = thing != nullptr && thing->is_sure(map_.today);
+  Prompt prompt = stop(
+      is_closed ? Phrase{"guide.stop_door"}
+                : obstacle_phrase("guide.stop_", obstacle->seen.side, is_sure ? thing : nullptr),
+      now_ns);
   prompt.priority = Priority::kHazard;
   if (is_at_door) {
     count_barred(pose);
@@ -951,7 +946,7 @@ std::optional<Prompt> Guidance::by_rooms(const Walker& walker) {
 // Who walks on would not be there any more when they have heard it.
 Prompt Guidance::arrive_or_stop(const Pose& pose, TimestampNs now_ns) {
   const bool walks = track_.speed_m_s().value_or(0) > kWalks_m_s;
-  if (walks && !comes_to_rest(pose)) return stop("guide.stop", now_ns);
+  if (walks && !comes_to_rest(pose)) return stop({"guide.stop"}, now_ns);
   return arrive(pose, now_ns);
 }
 
@@ -1057,7 +1052,7 @@ void Guidance::bar_what_is_ahead(const Pose& pose, double radius_m) {
 void Guidance::bar_what_is_seen() {
   std::vector<Vector2d> seen;
   std::ranges::copy_if(obstacles_, std::back_inserter(seen),
-                       [&](const Vector2d& obstacle) { return !is_on_map(obstacle); });
+                       [&](const Vector2d& obstacle) { return !is_on_map(obstacle, floor()); });
   constexpr double kSquare_m = 0.1;  // that each of them stands for
   bar(seen, kSquare_m / 2 + map_.floor->cell_m() / 2);
 }

@@ -8,6 +8,7 @@
 
 #include "roomwise/guide/guidance_words.h"
 #include "roomwise/guide/legs.h"
+#include "roomwise/guide/obstacle.h"
 #include "roomwise/guide/plan.h"
 #include "roomwise/guide/prompt.h"
 #include "roomwise/guide/walker_track.h"
@@ -145,7 +146,7 @@ class Guidance {
   void keep_pace();
   [[nodiscard]] Prompt arrive_or_stop(const Pose& pose, TimestampNs now_ns);
   [[nodiscard]] Prompt arrive(const Pose& pose, TimestampNs now_ns);
-  [[nodiscard]] Prompt stop(const std::string& message, TimestampNs now_ns);
+  [[nodiscard]] Prompt stop(const Phrase& phrase, TimestampNs now_ns);
   // Plans anew and says what to do now.
   [[nodiscard]] Prompt act(const Pose& pose, TimestampNs now_ns);
   [[nodiscard]] double freer_side(const Pose& pose) const;
@@ -159,13 +160,15 @@ class Guidance {
     return barred_floor_ ? *barred_floor_ : *map_.floor;
   }
   [[nodiscard]] bool has_arrived(const Pose& pose);
-  // What depth shows in the way, how far ahead on this leg, and whether the map knows it.
+  // What depth shows in the way, as seen along this leg, and whether the map knows it.
   struct InTheWay {
-    double ahead_m = 0;
+    ObstacleAhead seen;
+    Eigen::Vector2d place_gravity = Eigen::Vector2d::Zero();
     bool is_on_map = false;
+
+    [[nodiscard]] double ahead_m() const { return seen.ahead_left_m.x(); }
   };
   [[nodiscard]] std::optional<InTheWay> in_the_way(const Pose& pose) const;
-  [[nodiscard]] bool is_on_map(const Eigen::Vector2d& obstacle) const;
   [[nodiscard]] bool is_goal(const Eigen::Vector2d& obstacle) const;
   [[nodiscard]] bool is_in_reach(const Pose& pose) const;
   void bar_what_is_ahead(const Pose& pose, double radius_m);

@@ -389,6 +389,27 @@ TEST_F(GuidanceTest, StopsBeforeWhatStandsInTheWayAndLeadsAroundIt) {
   EXPECT_THAT(then[0].message, AnyOf("guide.turn_hour", "guide.little_left", "guide.little_right"));
 }
 
+TEST_F(GuidanceTest, WhatTheMapHasInTheWayIsNamedWithItsSide) {
+  grid_ = testing::Floor(140, 24).fill({50, 1}, {56, 11}, FloorCell::kOccupied).grid();
+  has_rooms_ = false;
+  KnownThing& table = things_.emplace_back();
+  table.name = "table";
+  table.probability = 0.9;
+  table.box_keyframe.size_m = {0.6, 1, 0.7};
+  table.position_gravity = Eigen::Vector3d(5.3, 0.6, 0.35);
+  KnownThing& rug = things_.emplace_back(table);
+  rug.name = "rug";
+  rug.box_keyframe.size_m = {2, 2, 0.02};
+  rug.position_gravity->z() = 0.01;
+  lead_to(bed_at({13, 1.6}, "hall"), {0.6, 1.6}, 0);
+  (void)hear(8);
+  while (place_.x() < 4.3) (void)hear(0.2, 0.6);
+  place_.y() = 1.1;  // their right shoulder would touch it
+  heading_rad_ = 0;
+  sees_floor_ = true;
+  EXPECT_THAT(hear(0.6, 0.4), ElementsAre("Stop: the table is in the way, on the right."));
+}
+
 // Where nobody comes past: somebody who will go on.
 TEST_F(GuidanceTest, WaitsForWhatStandsWhereThereIsNoWayAround) {
   grid_ = testing::Floor(140, 10).grid();
@@ -489,7 +510,7 @@ TEST_F(GuidanceTest, WhatStandsWhereTheMapNeverLookedIsAnObstacle) {
   sees.obstacles = {Vector2d(4.15, 0.35)};
   const auto prompt = guidance_->update(sees);
   ASSERT_TRUE(prompt);
-  EXPECT_EQ(prompt->message, "guide.stop_obstacle");
+  EXPECT_EQ(prompt->message, "guide.stop_obstacle_right");
 }
 
 // Only what they are led up to is no obstacle; a spot is stood on.

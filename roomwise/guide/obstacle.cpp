@@ -3,7 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <vector>
+
+#include "roomwise/guide/floor_search.h"
 
 namespace roomwise::guide {
 namespace {
@@ -129,20 +132,48 @@ Expected<std::vector<Vector2d>> obstacles_seen(const image::DepthImage& depth,
   return squares.with_enough();
 }
 
-std::optional<double> nearest_ahead_m(std::span<const Vector2d> obstacles,
-                                      const WalkingCorridor& corridor) {
-  std::optional<double> nearest_m;
-  for (const Vector2d& place : obstacles) {
-    if (place.x() > corridor.length_m || std::abs(place.y()) > corridor.half_width_m) continue;
-    nearest_m = std::min(place.x(), nearest_m.value_or(place.x()));
-  }
-  return nearest_m;
+std::optional<ObstacleAhead> nearest_ahead(std::span<const Vector2d> obstacles,
+                                           const WalkingCorridor& corridor) {
+  std::vector<Vector2d> inside;
+  std::ranges::copy_if(obstacles, std::back_inserter(inside), [&](const Vector2d& place) {
+    return place.x() <= corridor.length_m && std::abs(place.y()) <= corridor.half_width_m;
+  });
+  if (inside.empty()) return std::nullopt;
+  const auto ahead_m = [](const Vector2d& place) { return place.x(); };
+  ObstacleAhead obstacle{*std::ranges::min_element(inside, {}, ahead_m)};
+  const double farthest_m = obstacle.ahead_left_m.x() + WalkingCorridor().half_width_m;
+  std::erase_if(inside, [&](const Vector2d& place) { return place.x() > farthest_m; });
+  const auto all_stand = [&](double side) {
+    return std::ranges::all_of(inside, [&](const Vector2d& place) { return side * place.y() > 0; });
+  };
+  using Side = ObstacleAhead::Side;
+  obstacle.side = all_stand(1) ? Side::kLeft : all_stand(-1) ? Side::kRight : Side::kAhead;
+  return obstacle;
 }
 
-Prompt hazard_prompt(double distance_m, const Wording& wording, TimestampNs now_ns) {
+bool is_on_map(const Vector2d& obstacle, const fusion::FloorGrid& floor) {
+  constexpr double kKnown_m = 0.15;
+  return clearance_m(floor, obstacle) < kKnown_m;
+}
+
+Phrase obstacle_phrase(const std::string& begin, ObstacleAhead::Side side,
+                       const KnownThing* thing) {
+  using Side = ObstacleAhead::Side;
+  Phrase phrase{begin + (thing != nullptr ? "thing" : "obstacle") +
+                (side == Side::kAhead  ? "_ahead"
+                 : side == Side::kLeft ? "_left"
+                                       : "_right")};
+  if (thing != nullptr) phrase.values = {{"thing", guide::thing(thing->name)}};
+  return phrase;
+}
+
+Prompt hazard_prompt(const ObstacleAhead& obstacle, const KnownThing* thing, const Wording& wording,
+                     TimestampNs now_ns) {
+  const Phrase phrase = obstacle_phrase("hazard.", obstacle.side, thing);
   Prompt prompt = make_prompt(
-      wording, "hazard", "hazard.ahead", {}, Confidence::kSure, after(now_ns, kHazardValid_s),
-      fmt::format("the depth camera sees something {:.2f} m ahead", distance_m));
+      wording, "hazard", phrase.message, phrase.values, Confidence::kSure,
+      after(now_ns, kHazardValid_s),
+      fmt::format("the depth camera sees something {:.2f} m ahead", obstacle.ahead_left_m.x()));
   prompt.priority = Priority::kHazard;
   prompt.sound = Sound::kAlert;
   return prompt;

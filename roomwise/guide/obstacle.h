@@ -6,7 +6,10 @@
 #include <vector>
 
 #include "roomwise/base/expected.h"
+#include "roomwise/fusion/floor_grid.h"
 #include "roomwise/geometry/pinhole_camera.h"
+#include "roomwise/guide/guidance_words.h"
+#include "roomwise/guide/places.h"
 #include "roomwise/guide/wording.h"
 #include "roomwise/image/image.h"
 
@@ -44,11 +47,27 @@ struct WalkingCorridor {
   double length_m = 1.0;  // one or two steps
 };
 
-// How far ahead the nearest of them stands in the corridor, m; nothing where none does.
-[[nodiscard]] std::optional<double> nearest_ahead_m(std::span<const Eigen::Vector2d> obstacles,
-                                                    const WalkingCorridor& corridor = {});
+// What stands in a corridor: where its nearest place is, and on which side all of it stands that is
+// less than a shoulder's breadth behind that.
+struct ObstacleAhead {
+  enum class Side { kAhead, kLeft, kRight };  // kAhead: in the middle, or on both sides
+  Eigen::Vector2d ahead_left_m = Eigen::Vector2d::Zero();
+  Side side = Side::kAhead;
+};
+// The nearest of them in the corridor; nothing where none stands there.
+[[nodiscard]] std::optional<ObstacleAhead> nearest_ahead(std::span<const Eigen::Vector2d> obstacles,
+                                                         const WalkingCorridor& corridor = {});
 
-// "Obstacle ahead."
-[[nodiscard]] Prompt hazard_prompt(double distance_m, const Wording& wording, TimestampNs now_ns);
+// Whether the map knows what was seen there: it is no farther from all that is occupied than places
+// and maps err.
+[[nodiscard]] bool is_on_map(const Eigen::Vector2d& obstacle, const fusion::FloorGrid& floor);
+
+// "guide.stop_" and a thing that stands to the left: "guide.stop_thing_left", filled with the
+// thing; without one "guide.stop_obstacle_left".
+[[nodiscard]] Phrase obstacle_phrase(const std::string& begin, ObstacleAhead::Side side,
+                                     const KnownThing* thing);
+// "Obstacle ahead, to the left.", or what the map has there: "Table ahead, to the left."
+[[nodiscard]] Prompt hazard_prompt(const ObstacleAhead& obstacle, const KnownThing* thing,
+                                   const Wording& wording, TimestampNs now_ns);
 
 }  // namespace roomwise::guide

@@ -53,7 +53,10 @@ class View {
   [[nodiscard]] std::vector<Vector2d> obstacles() const {
     return obstacles_seen(depth(), camera, options).value();
   }
-  [[nodiscard]] std::optional<double> obstacle_m() const { return nearest_ahead_m(obstacles()); }
+  [[nodiscard]] std::optional<double> obstacle_m() const {
+    const auto obstacle = nearest_ahead(obstacles());
+    return obstacle ? std::optional(obstacle->ahead_left_m.x()) : std::nullopt;
+  }
 
   geometry::PinholeCamera camera = small_camera();
   ObstacleOptions options;
@@ -155,10 +158,10 @@ TEST(ObstacleTest, SingleWrongPixelsAreNone) {
     if (random.uniform() < 0.3) pixel = 0;
   }
   const auto seen = obstacles_seen(depth, view.camera, view.options).value();
-  const auto distance_m = nearest_ahead_m(seen);
-  ASSERT_TRUE(distance_m);
-  EXPECT_NEAR(*distance_m, 0.8, 0.1);
-  EXPECT_GT(*distance_m, 0.69);
+  const auto obstacle = nearest_ahead(seen);
+  ASSERT_TRUE(obstacle);
+  EXPECT_NEAR(obstacle->ahead_left_m.x(), 0.8, 0.1);
+  EXPECT_GT(obstacle->ahead_left_m.x(), 0.69);
   EXPECT_THAT(obstacles_seen(image::DepthImage(320, 240), view.camera).value(), IsEmpty());
 }
 
@@ -171,9 +174,38 @@ TEST(ObstacleTest, SaysWhatIsWrong) {
                "up_camera has the length 2");
 }
 
+TEST(ObstacleTest, IsOnASideWhereNoneOfItIsInTheMiddle) {
+  using Side = ObstacleAhead::Side;
+  const auto side_of = [](const std::vector<Vector2d>& places) {
+    return nearest_ahead(places).value().side;
+  };
+  EXPECT_EQ(side_of({{0.6, 0.25}, {0.7, 0.15}}), Side::kLeft);
+  EXPECT_EQ(side_of({{0.6, -0.25}, {0.7, -0.05}}), Side::kRight);
+  EXPECT_EQ(side_of({{0.6, -0.25}, {0.7, 0.05}}), Side::kAhead);
+  EXPECT_EQ(side_of({{0.6, 0.25}, {0.7, 0.5}, {0.7, -0.5}}), Side::kLeft) << "others are beside";
+  EXPECT_EQ(side_of({{0.5, 0.25}, {0.9, -0.1}}), Side::kLeft) << "what is far behind it";
+  EXPECT_EQ(nearest_ahead({}), std::nullopt);
+}
+
+TEST(ObstacleTest, IsSpokenWithItsSideAndWhatTheMapHasThere) {
+  const MessageCatalogue catalogue = MessageCatalogue::built_in();
+  KnownThing table;
+  table.name = "table";
+  using Side = ObstacleAhead::Side;
+  const auto said = [&](const char* language, Side side, const KnownThing* thing) {
+    return hazard_prompt({{0.7, 0}, side}, thing, {&catalogue, {language}}, 0).text;
+  };
+  EXPECT_EQ(said("en", Side::kLeft, nullptr), "Obstacle ahead, to the left.");
+  EXPECT_EQ(said("en", Side::kAhead, &table), "Table ahead.");
+  EXPECT_EQ(said("en", Side::kRight, &table), "Table ahead, to the right.");
+  EXPECT_EQ(said("de", Side::kLeft, &table), "Vorsicht, Tisch vorn links.");
+  EXPECT_EQ(said("es", Side::kLeft, &table), "Cuidado, mesa delante a la izquierda.");
+  EXPECT_EQ(said("fr", Side::kLeft, &table), "Attention, table devant à gauche.");
+}
+
 TEST(ObstacleTest, IsSpokenAsAHazard) {
   const MessageCatalogue catalogue = MessageCatalogue::built_in();
-  const Prompt prompt = hazard_prompt(0.7, {&catalogue, {}}, 0);
+  const Prompt prompt = hazard_prompt({{0.7, 0}}, nullptr, {&catalogue, {}}, 0);
   EXPECT_EQ(prompt.text, "Obstacle ahead.");
   EXPECT_EQ(prompt.priority, Priority::kHazard);
   EXPECT_EQ(prompt.sound, Sound::kAlert);

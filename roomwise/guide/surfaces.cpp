@@ -1,14 +1,27 @@
 #include "roomwise/guide/surfaces.h"
 
+#include <tuple>
+
+#include "roomwise/guide/obstacle.h"
 #include "roomwise/objects/kinds/kinds.h"
 
 namespace roomwise::guide {
 namespace {
 
-constexpr double kAboveTop_m = 0.1;  // boxes end a hand's breadth early or late
+constexpr double kBoxError_m = 0.1;  // boxes end a hand's breadth early or late
 
 double top_of_m(const KnownThing& thing) {
   return thing.position_gravity->z() + thing.size_m().z() / 2;
+}
+
+double bottom_of_m(const KnownThing& thing) {
+  return thing.position_gravity->z() - thing.size_m().z() / 2;
+}
+
+// Of what a person could walk into.
+bool is_between_ankle_and_head(const KnownThing& thing) {
+  const ObstacleOptions heights;
+  return top_of_m(thing) > heights.lowest_m && bottom_of_m(thing) < heights.highest_m;
 }
 
 }  // namespace
@@ -22,8 +35,8 @@ bool stands_on(const KnownThing& thing, const KnownThing& surface) {
   const objects::Kind* const kind = objects::find_kind(thing.name);
   if (kind != nullptr && kind->stands_on_floor) return false;
   const double middle_m = thing.position_gravity->z();
-  const double bottom_m = middle_m - thing.size_m().z() / 2;
-  return middle_m > surface.position_gravity->z() && bottom_m <= top_of_m(surface) + kAboveTop_m &&
+  return middle_m > surface.position_gravity->z() &&
+         bottom_of_m(thing) <= top_of_m(surface) + kBoxError_m &&
          outline_of(surface).distance_m(thing.position_gravity->head<2>()) == 0;
 }
 
@@ -34,6 +47,20 @@ const KnownThing* surface_under(const KnownThing& thing, std::span<const KnownTh
     if (highest == nullptr || top_of_m(one) > top_of_m(*highest)) highest = &one;
   }
   return highest;
+}
+
+const KnownThing* thing_at(const Eigen::Vector2d& place_gravity, const HomeMap& map) {
+  const KnownThing* nearest = nullptr;
+  std::tuple<double, double> min{kBoxError_m, 0};
+  for (const KnownThing& thing : map.things) {
+    if (!thing.position_gravity || !is_between_ankle_and_head(thing)) continue;
+    const std::tuple rank(outline_of(thing).distance_m(place_gravity),
+                          -thing.size_m().head<2>().prod());
+    if (rank > min || surface_under(thing, map.things) != nullptr) continue;
+    min = rank;
+    nearest = &thing;
+  }
+  return nearest;
 }
 
 }  // namespace roomwise::guide

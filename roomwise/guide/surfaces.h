@@ -5,7 +5,7 @@
 #include "roomwise/guide/places.h"
 #include "roomwise/guide/plan.h"
 
-// What lies on what.
+// What lies on what, and what stands where.
 namespace roomwise::guide {
 
 // Of a thing that has a place.
@@ -18,5 +18,9 @@ namespace roomwise::guide {
 // What the thing lies on; of several the one whose top is highest; nullptr: nothing is known.
 [[nodiscard]] const KnownThing* surface_under(const KnownThing& thing,
                                               std::span<const KnownThing> things);
+
+// What of the map stands there, give or take a hand's breadth: of what is between ankle and head
+// and does not lie on something else the nearest, else the largest. nullptr: nothing is known.
+[[nodiscard]] const KnownThing* thing_at(const Eigen::Vector2d& place_gravity, const HomeMap& map);
 
 }  // namespace roomwise::guide

@@ -4,12 +4,12 @@
 #include <set>
 
 #include "roomwise/guide/legs.h"
-#include "roomwise/guide/obstacle.h"
 #include "roomwise/guide/questions/home_prompts.h"
 #include "roomwise/guide/questions/refusal_prompts.h"
 #include "roomwise/guide/room_prompts.h"
 #include "roomwise/guide/route_prompts.h"
 #include "roomwise/guide/spot_prompts.h"
+#include "roomwise/guide/surfaces.h"
 #include "roomwise/guide/thing_prompts.h"
 
 namespace roomwise::live {
@@ -86,6 +86,29 @@ guide::Prompt where_am_i(const Situation& situation, const guide::Wording& wordi
   if (!knows_rooms) return excuse("device.nothing_learned", wording, situation.now_t_ms);
   if (result == nullptr) return no_picture(situation.settings, situation.now_t_ms);
   return excuse("route.no_place", wording, situation.now_t_ms);
+}
+
+// What depth shows in the way, and what of the map it is. What the map knows beside the way breaks
+// no answer off: it is a notice.
+guide::Prompt obstacle_prompt(const Situation& situation) {
+  constexpr double kMaxSigma_m = 0.1;  // else it may be the thing beside it
+  const FrameResult& result = *situation.result;
+  const guide::ObstacleAhead& obstacle = *result.obstacle;
+  const bool is_placed = result.place && result.place->sigma_m <= kMaxSigma_m;
+  const guide::KnownThing* thing = nullptr;
+  bool is_on_map = false;
+  if (is_placed) {
+    const Eigen::Vector2d place = result.place->on_floor().place_of(obstacle.ahead_left_m);
+    const guide::HomeMap map = map_of(situation.home, {});
+    thing = guide::thing_at(place, map);
+    if (thing != nullptr && !thing->is_sure(situation.today)) thing = nullptr;
+    is_on_map = thing != nullptr || (map.floor != nullptr && guide::is_on_map(place, *map.floor));
+  }
+  guide::Prompt prompt = guide::hazard_prompt(obstacle, thing, wording_of(situation.settings),
+                                              nanoseconds(result.t_ms));
+  const bool is_beside = obstacle.side != guide::ObstacleAhead::Side::kAhead;
+  if (is_on_map && is_beside) prompt.priority = guide::Priority::kNotice;
+  return prompt;
 }
 
 // The way from where somebody stands to the nearest thing that they mean.
@@ -199,8 +222,7 @@ class HomeAnswers {
       case Question::kWhatIsOn:
         return on(ask.subject);
       case Question::kWhatIsAhead:
-        return guide::ahead_prompts(map_, location_,
-                                    {situation_.result->has_depth, situation_.result->obstacle_m},
+        return guide::ahead_prompts(map_, location_, {situation_.result->has_depth, obstacle_m()},
                                     wording_, today_);
       case Question::kWhichWay:
         return guide::facing_prompts(map_, location_, wording_, today_);
@@ -214,6 +236,10 @@ class HomeAnswers {
   }
 
  private:
+  [[nodiscard]] std::optional<double> obstacle_m() const {
+    const auto& obstacle = situation_.result->obstacle;
+    return obstacle ? std::optional(obstacle->ahead_left_m.x()) : std::nullopt;
+  }
   [[nodiscard]] std::vector<guide::Prompt> on(const std::string& asked) const {
     const HomeView& home = situation_.home;
     const auto surface =
@@ -559,20 +585,22 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
   return {};
 }
 
-bool Announcer::is_obstacle_news(const FrameResult& result) {
+bool Announcer::is_obstacle_news(const FrameResult& result, bool is_hazard) {
   constexpr double kToldFor_s = 1.5;  // with each picture, so that it is heard if one is lost
   constexpr double kAgain_s = 12;     // who stands there hears whole sentences in between
   constexpr double kGone_s = 2;
   constexpr double kNearer_m = 0.25;
-  if (!result.obstacle_m) return false;
+  if (!result.obstacle) return false;
   const double t_s = result.t_ms / 1000;
-  const double distance_m = *result.obstacle_m;
+  const double distance_m = result.obstacle->ahead_left_m.x();
   const bool is_new = !obstacle_ || t_s - obstacle_->seen_s > kGone_s || t_s < obstacle_->told_s ||
                       t_s - obstacle_->told_s > kAgain_s ||
-                      distance_m < obstacle_->told_m - kNearer_m;
-  if (is_new) obstacle_ = Obstacle{t_s, t_s, distance_m};
+                      distance_m < obstacle_->told_m - kNearer_m ||
+                      (is_hazard && !obstacle_->was_hazard);
+  if (is_new) obstacle_ = Obstacle{t_s, t_s, distance_m, is_hazard};
   obstacle_->seen_s = t_s;
-  return t_s - obstacle_->told_s < kToldFor_s;
+  // What is no hazard would be spoken as often as it is sent.
+  return is_new || (is_hazard && t_s - obstacle_->told_s < kToldFor_s);
 }
 
 std::vector<guide::Prompt> Announcer::after(const Situation& situation, bool tells_obstacles) {
@@ -580,9 +608,11 @@ std::vector<guide::Prompt> Announcer::after(const Situation& situation, bool tel
   const FrameResult& result = *situation.result;
   if (!tells_obstacles) {
     obstacle_.reset();
-  } else if (is_obstacle_news(result)) {
-    prompts.push_back(guide::hazard_prompt(*result.obstacle_m, wording_of(situation.settings),
-                                           nanoseconds(result.t_ms)));
+  } else if (result.obstacle) {
+    guide::Prompt prompt = obstacle_prompt(situation);
+    if (is_obstacle_news(result, prompt.priority == guide::Priority::kHazard)) {
+      prompts.push_back(std::move(prompt));
+    }
   }
   const auto decision = decision_of(result, situation.home);
   if (!decision) return prompts;

@@ -91,7 +91,7 @@ constexpr double kMaxSpotSigma_m = 0.3;
 [[nodiscard]] guide::Prompt no_picture(const service::SpeakingSettings& settings, double now_t_ms);
 
 // Decides what is called out while a person walks and asks nothing: a room that was entered, and
-// what stands ahead, with every picture that shows it: who speaks says it once in a while.
+// what stands ahead, a hazard with every picture that shows it: who speaks says it once in a while.
 class Announcer {
  public:
   // After each glance, whether or not it is spoken. Obstacles only where nobody else judges them.
@@ -101,8 +101,9 @@ class Announcer {
   void answered(const Situation& situation, const std::vector<guide::Prompt>& prompts);
 
  private:
-  // Who stands before something hears of it when it comes, when it comes nearer, and now and then.
-  [[nodiscard]] bool is_obstacle_news(const FrameResult& result);
+  // Who stands before something hears of it when it comes, when it comes nearer or into their way,
+  // and now and then.
+  [[nodiscard]] bool is_obstacle_news(const FrameResult& result, bool is_hazard);
 
   std::string room_now_;     // by the last glance; empty: not sure
   std::string room_called_;  // the last that was called out, or named by an answer
@@ -110,6 +111,7 @@ class Announcer {
   struct Obstacle {
     double told_s = 0, seen_s = 0;  // by the pictures' clock: first told, seen last
     double told_m = 0;              // how far it was then
+    bool was_hazard = false;
   };
   std::optional<Obstacle> obstacle_;
 };

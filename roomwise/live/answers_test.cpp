@@ -104,13 +104,67 @@ TEST_F(CallerTest, WhatIsNotSureIsNotCalledOut) {
 TEST_F(CallerTest, AnObstacleIsCalledOutWithEveryPictureThatShowsIt) {
   FrameResult result = glance_in("kitchen", 0, rooms::Verdict::kNotSure);
   EXPECT_THAT(after(result), SizeIs(0));
-  result.obstacle_m = 0.7;
+  result.obstacle.emplace().ahead_left_m = {0.7, 0};
   const auto called = after(result);
   ASSERT_THAT(called, SizeIs(1));
   EXPECT_EQ(called[0].priority, guide::Priority::kHazard);
   EXPECT_THAT(after(result), SizeIs(1));  // one may be lost or late on the way
-  result.obstacle_m.reset();
+  result.obstacle.reset();
   EXPECT_THAT(after(result), SizeIs(0));
+}
+
+// A table whose edge is 0.7 m ahead and to the left of who stands at the origin.
+class CallerBesideATable : public CallerTest {
+ protected:
+  void SetUp() override {
+    home.things = {thing("table", "kitchen", {1, 0.35, 0.25})};
+    result = glance_in("kitchen", 0, rooms::Verdict::kNotSure);
+    result.place = at_the_origin();
+    stands({0.7, 0.2}, guide::ObstacleAhead::Side::kLeft);
+  }
+  void stands(const Eigen::Vector2d& ahead_left_m, guide::ObstacleAhead::Side side) {
+    result.obstacle = guide::ObstacleAhead{ahead_left_m, side};
+  }
+  guide::Prompt called(double after_ms) {
+    result.t_ms += after_ms;
+    const auto prompts = after(result);
+    return prompts.empty() ? guide::Prompt() : prompts[0];
+  }
+
+  FrameResult result;
+};
+
+TEST_F(CallerBesideATable, WhatTheMapKnowsBesideTheWayBreaksNoAnswerOffAndIsToldOnce) {
+  const guide::Prompt beside = called(200);
+  EXPECT_EQ(beside.text, "Table ahead, to the left.");
+  EXPECT_EQ(beside.priority, guide::Priority::kNotice);
+  EXPECT_EQ(called(200).text, "");
+  stands({0.7, 0.05}, guide::ObstacleAhead::Side::kAhead);
+  const guide::Prompt ahead = called(200);
+  EXPECT_EQ(ahead.text, "Table ahead.") << "at once, for they have turned to it";
+  EXPECT_EQ(ahead.priority, guide::Priority::kHazard);
+  EXPECT_EQ(called(200).text, "Table ahead.");
+}
+
+TEST_F(CallerBesideATable, WhatTheMapDoesNotKnowIsAHazardOnEverySide) {
+  home.things.clear();
+  const guide::Prompt beside = called(200);
+  EXPECT_EQ(beside.text, "Obstacle ahead, to the left.");
+  EXPECT_EQ(beside.priority, guide::Priority::kHazard);
+}
+
+TEST_F(CallerBesideATable, WithoutASurePlaceItMayBeAnythingElse) {
+  result.place->sigma_m = 0.4;
+  EXPECT_EQ(called(200).text, "Obstacle ahead, to the left.");
+  result.place.reset();
+  EXPECT_EQ(called(20'000).priority, guide::Priority::kHazard);
+}
+
+TEST_F(CallerBesideATable, WhatLiesOnItIsNotNamed) {
+  home.things.push_back(thing("cup", "kitchen", {0.85, 0.2, 0.55}));
+  home.things.back().box_keyframe.size_m = {0.1, 0.1, 0.1};
+  home.things.push_back(thing("lamp", "kitchen", {0.7, 0.2, 2.3}));
+  EXPECT_EQ(called(200).text, "Table ahead, to the left.");
 }
 
 TEST(Answers, TellTheWayToAThing) {
@@ -264,7 +318,7 @@ TEST(Answers, DirectionsRestOnAPictureAndSayWhatIsAheadNow) {
   }
   const service::Ask ahead{1, 600, Question::kWhatIsAhead, ""};
   EXPECT_EQ(answer(ahead, {home, &result, settings, 600}).at(0).message, "ahead.unknown");
-  result.obstacle_m = 1;
+  result.obstacle.emplace().ahead_left_m = {1, 0};
   EXPECT_EQ(answer(ahead, {home, &result, settings, 600}).at(0).text,
             "Something is ahead now, 1 metre.");
   result.place = at_the_origin();

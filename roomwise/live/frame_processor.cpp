@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "roomwise/guide/obstacle.h"
-
 namespace roomwise::live {
 namespace {
 
@@ -132,7 +130,7 @@ Expected<FrameResult> FrameProcessor::look(CameraFrame frame,
   if (depth) {
     ROOMWISE_TRY(const auto seen,
                  obstacles_ahead(*depth, *camera_->calibrated, result.place, home->map.get()));
-    result.obstacle_m = guide::nearest_ahead_m(seen);
+    result.obstacle = guide::nearest_ahead(seen);
     if (result.place) {
       const guide::Pose pose = result.place->on_floor();
       for (const Eigen::Vector2d& one : seen) result.obstacles.push_back(pose.place_of(one));

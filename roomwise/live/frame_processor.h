@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "roomwise/guide/obstacle.h"
 #include "roomwise/guide/places.h"
 #include "roomwise/live/frame_images.h"
 #include "roomwise/live/home_view.h"
@@ -41,8 +42,8 @@ struct FrameResult {
   std::optional<CameraPose> place;
   // Of a camera that nobody calibrated, what is known of its lens, where this frame told of it.
   std::optional<mapping::LensCalibration> lens;
-  bool has_depth = false;            // the frame has; else nothing tells what is ahead now
-  std::optional<double> obstacle_m;  // straight ahead, by depth
+  bool has_depth = false;  // the frame has; else nothing tells what is ahead now
+  std::optional<guide::ObstacleAhead> obstacle;  // in the way of who goes where they face, by depth
   // What a person could walk into, seen by depth: where on the floor, in the gravity-aligned frame;
   // none where there is no place.
   std::vector<Eigen::Vector2d> obstacles;

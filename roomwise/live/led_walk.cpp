@@ -153,7 +153,7 @@ std::vector<guide::Prompt> LedWalk::after(const FrameResult& result,
   walker.pose = location.pose;
   walker.pose_ns = std::llround(result.t_ms * 1e6);
   walker.room = location.room;
-  walker.obstacle_m = result.obstacle_m;
+  if (result.obstacle) walker.obstacle_m = result.obstacle->ahead_left_m.x();
   walker.obstacles = result.obstacles;
   auto prompt = guidance_->update(walker);
   if (!prompt) return {};

@@ -13,7 +13,6 @@ namespace roomwise::guide {
 namespace {
 
 constexpr std::size_t kThingsOfAPrompt = 4;  // more is forgotten before the last is spoken
-constexpr double kHand_m = 0.1;              // boxes end a hand's breadth early or late
 constexpr double kFarthestAhead_m = 6;
 constexpr double kHalfPerson_m = 0.25;
 
@@ -160,19 +159,6 @@ Ahead look_ahead(const fusion::FloorGrid& floor, const Pose& pose) {
   for (const double aside_m : {-kHalfPerson_m, kHalfPerson_m}) {
     const Ahead one = look_along(floor, pose, aside_m);
     if (one.distance_m < nearest.distance_m) nearest = one;
-  }
-  return nearest;
-}
-
-const KnownThing* thing_at(const Eigen::Vector2d& place_gravity, const HomeMap& map) {
-  const KnownThing* nearest = nullptr;
-  double min_m = kHand_m;
-  for (const KnownThing& thing : map.things) {
-    if (!thing.position_gravity) continue;
-    const double distance_m = outline_of(thing).distance_m(place_gravity);
-    if (distance_m > min_m || (nearest != nullptr && distance_m == min_m)) continue;
-    min_m = distance_m;
-    nearest = &thing;
   }
   return nearest;
 }
