@@ -996,6 +996,9 @@ const KnownThing* Guidance::thing_between(const Vector2d& from) const {
 
 std::vector<Phrase> Guidance::at_goal_phrases() const {
   std::vector<Phrase> phrases;
+  if (goal_.kind == Goal::Kind::kThing && !goal_.on.empty()) {
+    phrases.push_back({"where.on", {{"thing", thing(goal_.on)}}});
+  }
   if (goal_.kind == Goal::Kind::kThing && goal_.height_m) {
     phrases.push_back({height_message(*goal_.height_m)});
   }
@@ -1003,8 +1006,8 @@ std::vector<Phrase> Guidance::at_goal_phrases() const {
   return phrases;
 }
 
-// What is said after the first word of the end: how high to reach and what a helper noted, or what
-// is left.
+// What is said after the first word of the end: what it lies on, how high to reach and what a
+// helper noted, or what is left.
 std::optional<Prompt> Guidance::finish(TimestampNs now_ns) {
   const auto said = static_cast<std::size_t>(finished_++);
   if (state_ == State::kArrived) {

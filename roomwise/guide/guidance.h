@@ -131,7 +131,7 @@ class Guidance {
   [[nodiscard]] bool may_end_unseen() const;
   [[nodiscard]] Prompt step_unseen(TimestampNs now_ns);
   [[nodiscard]] MaybePrompt end_unseen(TimestampNs now_ns);
-  // How high to reach, and what a helper noted.
+  // What it lies on, how high to reach, and what a helper noted.
   [[nodiscard]] std::vector<Phrase> at_goal_phrases() const;
   // Was just told to: what is ahead of who turns on the spot is in nobody's way for a while.
   [[nodiscard]] Prompt say_to_turn(const Phrase& phrase, TimestampNs now_ns,

@@ -637,6 +637,15 @@ TEST_F(GuidanceTest, TheWayToANarrowDoorEndsInItsFrame) {
   EXPECT_NEAR(guidance_->next_place()->x(), 4, 0.11);
 }
 
+TEST_F(GuidanceTest, WhoIsThereHearsWhatItLiesOn) {
+  Goal bed = bed_at({3.3, 1.2}, "bedroom");
+  bed.on = "table";
+  lead_to(bed, {1, 1.2}, 0);
+  (void)hear(8);
+  while (guidance_->state() != State::kArrived && place_.x() < 3) (void)hear(0.2, 0.5);
+  EXPECT_THAT(hear(12), ElementsAre("On the table.", "At knee height."));
+}
+
 TEST_F(GuidanceTest, WhoIsThereHearsWhatAHelperNoted) {
   Goal bed = bed_at({3.3, 1.2}, "bedroom");
   bed.note = "low beam above it";

@@ -8,6 +8,7 @@
 
 #include "roomwise/guide/floor_search.h"
 #include "roomwise/guide/in_room.h"
+#include "roomwise/guide/surfaces.h"
 
 namespace roomwise::guide {
 namespace {
@@ -190,7 +191,8 @@ double Outline::distance_m(const Vector2d& point_gravity) const {
   return (nearest_to(point_gravity) - point_gravity).norm();
 }
 
-Goal Goal::of(const KnownThing& thing, const std::optional<CalendarTime>& today) {
+Goal Goal::of(const KnownThing& thing, const std::optional<CalendarTime>& today,
+              std::span<const KnownThing> things) {
   Goal goal;
   goal.noun = {Noun::Kind::kThing, thing.name};
   goal.room = thing.room;
@@ -200,6 +202,8 @@ Goal Goal::of(const KnownThing& thing, const std::optional<CalendarTime>& today)
     goal.outline =
         Outline{thing.position_gravity->head<2>(), thing.size_m().head<2>(), thing.yaw_rad};
     goal.height_m = thing.position_gravity->z();
+    const KnownThing* const under = surface_under(thing, things);
+    if (under != nullptr && under->is_sure(today)) goal.on = under->name;
   }
   return goal;
 }

@@ -50,10 +50,13 @@ struct Goal {
   std::optional<Outline> outline;   // of a room its middle; absent: not known
   std::optional<std::string> room;  // in which it lies, or which it is
   std::optional<double> height_m;   // of a thing's middle over the floor
+  std::string on;                   // the thing that it lies on; empty: not known
   bool is_sure = true;              // that it is there
   std::string note;                 // a helper's, to be said who is there; may be empty
 
-  [[nodiscard]] static Goal of(const KnownThing& thing, const std::optional<CalendarTime>& today);
+  // `things`: of the home, of which it may lie on one.
+  [[nodiscard]] static Goal of(const KnownThing& thing, const std::optional<CalendarTime>& today,
+                               std::span<const KnownThing> things = {});
   [[nodiscard]] static Goal of(const rooms::RoomExtent& room);
   [[nodiscard]] static Goal of(const rooms::Doorway& door);
 };

@@ -83,7 +83,7 @@ std::optional<Goal> goal_of(const service::Ask& asked, const HomeView& home,
     std::vector<Goal> goals;
     for (const guide::KnownThing& thing : things) {
       if (!meant || thing.name != *meant) continue;
-      goals.push_back(Goal::of(thing, situation.today));
+      goals.push_back(Goal::of(thing, situation.today, home.things));
       if (thing.name == guide::kNameOfWayOut) goals.back().kind = Goal::Kind::kWayOut;
     }
     if (auto goal = nearest(std::move(goals), map, location)) return goal;

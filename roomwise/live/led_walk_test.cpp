@@ -80,6 +80,21 @@ TEST_F(LedWalkTest, LeadsAlongWithThePicturesThatCome) {
   EXPECT_TRUE(led->is_over());
 }
 
+TEST_F(LedWalkTest, TellsWhatTheGoalLiesOn) {
+  guide::KnownThing& shelf = home->things.emplace_back(home->things[0]);
+  shelf.name = "shelf";
+  shelf.position_gravity->z() = 0.45;
+  shelf.box_keyframe.size_m = {0.8, 0.8, 0.9};
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+  (void)led->begin(at(first));
+  (void)walk(*led, 6, 0);
+  const auto said = walk(*led, 20, 0.5);
+  EXPECT_THAT(said, ::testing::IsSupersetOf({"On the shelf.", "At chest height."}));
+  shelf.probability = 0.2;
+  EXPECT_EQ(guide::Goal::of(home->things[0], {}, home->things).on, "") << "it may be gone";
+}
+
 TEST_F(LedWalkTest, AGoalThatWasSeenLongAgoIsProbable) {
   const CalendarTime seen{2023, 11, 26, 9};
   home->things[0].seen = seen;
