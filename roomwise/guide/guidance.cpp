@@ -140,7 +140,7 @@ void Guidance::plan_from(const Pose& pose) {
     ++leg_;
   }
   if (was_barred_here(pose)) step_clear(pose);
-  passes_door_ = leg_ > 0 && legs_[leg_ - 1].ends_at_door;
+  passes_door_ = leg_ > 0 && legs_[leg_ - 1].ends_at_door();
   announced_ = false;
   reminded_ = false;
   off_since_ns_.reset();
@@ -192,13 +192,13 @@ void Guidance::step_clear(const Pose& pose) {
   next.from = *farthest;
   next.length_m = (next.to - next.from).norm();
   legs_.insert(legs_.begin() + static_cast<std::ptrdiff_t>(leg_),
-               Leg{here, *farthest, (*farthest - here).norm(), false, {}});
+               Leg{here, *farthest, (*farthest - here).norm()});
 }
 
 // A leg of less than a step, which only leads to where one may go at once.
 bool Guidance::may_skip_leg(const Pose& pose) const {
   const Vector2d& here = pose.position_gravity;
-  if ((legs_[leg_].to - here).norm() > kHand_m || legs_[leg_].ends_at_door) return false;
+  if ((legs_[leg_].to - here).norm() > kHand_m || legs_[leg_].ends_at_door()) return false;
   if (is_next_leg_stairs()) return false;  // one begins them where they begin
   const double narrow_m = options_.plan.narrow_radius_m;
   return FloorSearch(floor(), narrow_m, narrow_m).is_clear(here, legs_[leg_ + 1].to, narrow_m);
@@ -236,17 +236,17 @@ bool Guidance::goes_straight_on() const {
 
 // Of an opening that ends a leg.
 std::optional<std::string> Guidance::room_beyond(const Leg& leg) const {
-  if (leg.opening == nullptr) return std::nullopt;
+  if (leg.doorway == nullptr || leg.ends_at_door()) return std::nullopt;
   const Vector2d step =
       kBeyondDoor_m * Vector2d(std::cos(leg.heading_rad()), std::sin(leg.heading_rad()));
   auto room = map_.room_at(leg.to + step);
   const bool is_other = room && room != map_.room_at(leg.to - step);
-  return is_other && leg.opening->joins(*room) ? room : std::nullopt;
+  return is_other && leg.doorway->joins(*room) ? room : std::nullopt;
 }
 
 std::optional<Noun> Guidance::place_at_end(const Leg& leg, bool is_last) const {
   if (is_last && plan_.reach == Reach::kWhole) return goal_.noun;
-  if (leg.ends_at_door) return Noun{Noun::Kind::kThing, "door"};
+  if (leg.ends_at_door()) return Noun{Noun::Kind::kThing, "door"};
   if (const auto room = room_beyond(leg)) return Noun{Noun::Kind::kRoom, *room};
   std::optional<Noun> nearest;
   double nearest_m = kHand_m + options_.body_radius_m;
@@ -447,7 +447,12 @@ Prompt Guidance::act(const Pose& pose, TimestampNs now_ns) {
   if (length_m < kSmallStep_m) return say({"guide.small_step"}, now_ns);
   // Who is told how far the goal is from so near needs no second word of it.
   if (is_last_leg() && length_m <= options_.announce_from_m) announced_ = true;
-  return say(walk_phrase(distance(length_m), place_at_end(leg, is_last_leg())), now_ns);
+  auto place = place_at_end(leg, is_last_leg());
+  // Its width is told where it is announced: here, where it is too near for that.
+  if (length_m < options_.announce_to_m && !is_last_leg() && leg.ends_at_door()) {
+    place = door_noun(*leg.doorway);
+  }
+  return say(walk_phrase(distance(length_m), place), now_ns);
 }
 
 std::optional<Prompt> Guidance::turning(const Pose& pose, TimestampNs now_ns) {
@@ -513,7 +518,7 @@ std::optional<Prompt> Guidance::at_leg_end(const Pose& pose, TimestampNs now_ns)
     const Leg& done = legs_[leg_++];
     announced_ = false;
     const auto into = room_beyond(done);
-    if (!done.ends_at_door && !into) return std::nullopt;
+    if (!done.ends_at_door() && !into) return std::nullopt;
     const std::string left =
         distance(left_when_heard_m((legs_[leg_].to - pose.position_gravity).norm()));
     if (into) return say({"guide.into", {{"room", room(*into)}, {"distance", left}}}, now_ns);
@@ -589,11 +594,12 @@ std::optional<Phrase> Guidance::next_phrase(const Pose& pose, double spoken_s) c
     if (const auto into = room_beyond(leg)) {
       return Phrase{"guide.soon_into", {{"distance", left}, {"room", room(*into)}}};
     }
-    if (!leg.ends_at_door) return std::nullopt;
-    return Phrase{"guide.soon_through", {{"distance", left}, {"place", thing("door")}}};
+    if (!leg.ends_at_door()) return std::nullopt;
+    return Phrase{"guide.soon_through",
+                  {{"distance", left}, {"place", Nouns{door_noun(*leg.doorway)}}}};
   }
   return soon_turn_phrase(turn_rad(leg.heading_rad(), legs_[leg_ + 1].heading_rad()), left,
-                          place_at_end(leg, false));
+                          leg.ends_at_door() ? door_noun(*leg.doorway) : place_at_end(leg, false));
 }
 
 std::optional<Prompt> Guidance::announce(const Pose& pose, TimestampNs now_ns) {
@@ -760,7 +766,7 @@ std::optional<Prompt> Guidance::hazard(const Pose& pose, TimestampNs now_ns) {
   // The first step is no hazard: before it one is stopped anyway.
   if (is_next_leg_stairs() && obstacle->ahead_m() > left_m - kLegEnd_m) return std::nullopt;
   hazard_ns_ = now_ns;
-  const bool is_at_door = !obstacle->is_on_map && legs_[leg_].ends_at_door &&
+  const bool is_at_door = !obstacle->is_on_map && legs_[leg_].ends_at_door() &&
                           std::abs(obstacle->ahead_m() - left_m) < kLegEnd_m;
   // Who was told that a door is closed has opened it, or it was open: what is ahead of them then is
   // its frame or its leaf, beside which they go on.

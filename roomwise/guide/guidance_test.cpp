@@ -180,6 +180,20 @@ TEST_F(GuidanceTest, WhoWalksAlongAnOpeningIsNotToldOfIt) {
             2U);
 }
 
+TEST_F(GuidanceTest, ADoorThatIsNarrowerThanUsualIsAnnouncedSo) {
+  grid_ = testing::two_rooms().fill({40, 30}, {41, 33}, FloorCell::kOccupied).grid();
+  layout_ = testing::layout_of_two_rooms(grid_);
+  ASSERT_LT(layout_.doorways()[0].width_m, 0.75);
+  lead_to(room("kitchen"), {0.6, 3.6}, 0);
+  EXPECT_THAT(hear(8), ::testing::Contains("Straight on, 7 steps to the door."));
+  std::vector<std::string> said;
+  while (place_.x() < 3) {
+    for (const std::string& text : hear(0.2, 0.5)) said.push_back(text);
+  }
+  EXPECT_THAT(said, ::testing::Contains(::testing::EndsWith("through the narrow door.")));
+  EXPECT_THAT(ask(GuidanceRequest::kRepeat), ::testing::EndsWith("to the narrow door."));
+}
+
 TEST_F(GuidanceTest, TheNextActionIsAnnouncedOneAndAHalfToThreeMetresBefore) {
   lead_to(bed_at({7.2, 0.8}, "kitchen"), {0.6, 3.45}, 0);
   (void)hear(8);

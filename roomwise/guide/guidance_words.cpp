@@ -80,6 +80,21 @@ Phrase more_phrase(const std::string& distance, const std::optional<Noun>& place
   return {"guide.more_to", {{"distance", distance}, {"place", list_of(*place)}}};
 }
 
+DoorWidth width_of(const rooms::Doorway& door) {
+  constexpr double kNarrow_m = 0.75, kWide_m = 1;
+  if (door.width_m == 0) return DoorWidth::kUsual;
+  return door.width_m < kNarrow_m ? DoorWidth::kNarrow
+         : door.width_m > kWide_m ? DoorWidth::kWide
+                                  : DoorWidth::kUsual;
+}
+
+Noun door_noun(const rooms::Doorway& door) {
+  const DoorWidth width = width_of(door);
+  return {Noun::Kind::kThing, width == DoorWidth::kNarrow ? "narrow door"
+                              : width == DoorWidth::kWide ? "wide door"
+                                                          : "door"};
+}
+
 std::string with_side(const std::string& message, const Eigen::Vector2d& point_gravity,
                       const Pose& pose) {
   const Eigen::Vector2d towards = point_gravity - pose.position_gravity;

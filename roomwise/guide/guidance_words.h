@@ -28,6 +28,13 @@ struct Phrase {
 // "Good. 3 steps to the door."
 [[nodiscard]] Phrase more_phrase(const std::string& distance, const std::optional<Noun>& place);
 
+// Doors of homes have leaves of 735, 860 or 985 mm (DIN 18101) that leave 0.69, 0.81 or 0.94 m to
+// go through: between the first two a door becomes narrow, beyond the last one wide.
+enum class DoorWidth { kUsual, kNarrow, kWide };
+[[nodiscard]] DoorWidth width_of(const rooms::Doorway& door);  // kUsual, too, where none is known
+// "door", "narrow door", "wide door", as languages know them.
+[[nodiscard]] Noun door_noun(const rooms::Doorway& door);
+
 // "guide.place" and a point behind one: "guide.place_behind".
 [[nodiscard]] std::string with_side(const std::string& message,
                                     const Eigen::Vector2d& point_gravity, const Pose& pose);

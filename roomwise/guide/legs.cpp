@@ -40,7 +40,7 @@ std::vector<Leg> parts_of(const Route& route, std::span<const rooms::Doorway> do
   for (std::size_t i = 1; i < route.size(); ++i) {
     Vector2d from = route[i - 1];
     if (const auto over = stairs_between(from, route[i], stairs)) {
-      legs.push_back({from, route[i], over->stairs.run_m, false, over});
+      legs.push_back({from, route[i], over->stairs.run_m, over});
       continue;
     }
     std::vector<Passed> passed;
@@ -52,11 +52,10 @@ std::vector<Leg> parts_of(const Route& route, std::span<const rooms::Doorway> do
     std::ranges::sort(passed, {},
                       [&](const Passed& one) { return (one.first - route[i - 1]).norm(); });
     for (const auto& [place, door] : passed) {
-      const bool is_door = door->is_door();
-      legs.push_back({from, place, (place - from).norm(), is_door, {}, is_door ? nullptr : door});
+      legs.push_back({from, place, (place - from).norm(), {}, door});
       from = place;
     }
-    legs.push_back({from, route[i], (route[i] - from).norm(), false, {}});
+    legs.push_back({from, route[i], (route[i] - from).norm()});
   }
   return legs;
 }
@@ -73,11 +72,11 @@ std::vector<Leg> legs_of(const Route& route, std::span<const rooms::Doorway> doo
   std::vector<Leg> result;
   for (const Leg& leg : parts_of(route, doors, stairs)) {
     const bool is_apart = leg.stairs || (!result.empty() && result.back().stairs);
-    if (!result.empty() && !result.back().ends_between_rooms() && !is_apart) {
+    if (!result.empty() && result.back().doorway == nullptr && !is_apart) {
       Leg& last = result.back();
       const double turn = turn_rad(last.heading_rad(), leg.heading_rad());
       if (std::abs(turn) < kNoTurn_rad || std::min(last.length_m, leg.length_m) < kShortLeg_m) {
-        last = {last.from, leg.to, last.length_m + leg.length_m, leg.ends_at_door, {}, leg.opening};
+        last = {last.from, leg.to, last.length_m + leg.length_m, {}, leg.doorway};
         continue;
       }
     }

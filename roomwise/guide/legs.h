@@ -18,12 +18,11 @@ constexpr double kNoTurn_rad = 20 * kDegree_rad;  // of two legs: one goes on ne
 struct Leg {
   Eigen::Vector2d from = Eigen::Vector2d::Zero();
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
-  double length_m = 0;  // along corners that are not spoken of
-  bool ends_at_door = false;
+  double length_m = 0;                      // along corners that are not spoken of
   std::optional<StairsOnWay> stairs = {};   // it leads over them, to another part of the plan
-  const rooms::Doorway* opening = nullptr;  // at which it ends, see Doorway::is_opening
+  const rooms::Doorway* doorway = nullptr;  // at which it ends: a door or an opening
 
-  [[nodiscard]] bool ends_between_rooms() const { return ends_at_door || opening != nullptr; }
+  [[nodiscard]] bool ends_at_door() const { return doorway != nullptr && doorway->is_door(); }
   // Counter-clockwise from x.
   [[nodiscard]] double heading_rad() const;
 };

@@ -38,6 +38,7 @@ Values some_values(const std::set<std::string>& names) {
       {"names", room_list({"bedroom 1", "bedroom 2"})},
       {"rooms", room_list({"kitchen", "living room"})},
       {"area", "12 square metres"},
+      {"width", "65 centimetres"},
       {"room", room("living room")},
       {"other", room("dining room")},
       {"via", room_list({"corridor"})},

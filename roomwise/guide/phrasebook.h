@@ -43,10 +43,9 @@ using Values = std::map<std::string, std::variant<std::string, Nouns>>;
 //             for "bedroom 2", where the language has that.
 //   rooms     the home's word -> its name here, its class, any forms of its own, and under "also"
 //             what else people call it (objects::SpokenName). Things have theirs in kinds.json.
-//   goals     the same for what one may be led to that is no thing: the way out.
-//   questions how one asks: grammar/grammar.h.
-//   counts    unit -> "one", "other" ("{n} steps"); singular: the numbers of "one", "1" or "below
-//   2"
+//   goals     the same for what one is led to or through that is no thing: the way out, a wide
+//   door. questions how one asks: grammar/grammar.h. counts    unit -> "one", "other" ("{n}
+//   steps"); singular: the numbers of "one", "1" or "below 2"
 //             (CLDR's rules of plurals); decimal: the sign in 1.5; and: of lists; months: their
 //             names.
 class Phrasebook {

@@ -193,11 +193,11 @@ TEST(LegsTest, DoorsAndOpeningsEndLegsAndOpenBordersDoNot) {
   const std::vector doorways{border, opening, door};
   const auto legs = legs_of({{0, 0}, {7, 0}}, doorways);
   ASSERT_EQ(legs.size(), 3U);
-  EXPECT_TRUE(legs[0].ends_at_door);
-  EXPECT_FALSE(legs[1].ends_at_door);
-  EXPECT_EQ(legs[1].opening, &doorways[1]);
+  EXPECT_TRUE(legs[0].ends_at_door());
+  EXPECT_FALSE(legs[1].ends_at_door());
+  EXPECT_EQ(legs[1].doorway, &doorways[1]);
   EXPECT_NEAR(legs[1].to.x(), 3, 1e-9);
-  EXPECT_FALSE(legs[2].ends_between_rooms());
+  EXPECT_EQ(legs[2].doorway, nullptr);
 }
 
 TEST(DoorsTest, BordersOfOpenAreasAreNoDoors) {

@@ -51,7 +51,7 @@ std::vector<Prompt> route_prompts(const Route& route, const Pose& pose, const No
         i,
         is_last              ? "route.step_goal"
         : legs[i + 1].stairs ? stairs_message("stairs.route", *legs[i + 1].stairs)
-        : leg.ends_at_door   ? "route.step_door"
+        : leg.ends_at_door() ? "route.step_door"
                              : "route.step",
         {{"turn", turn}, {"distance", wording.distance(leg.length_m)}, {"goal", Nouns{goal}}}));
   }

@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 
+#include "roomwise/guide/guidance_words.h"
 #include "roomwise/guide/legs.h"
 #include "roomwise/guide/seen_prompt.h"
 #include "roomwise/guide/surfaces.h"
@@ -337,6 +338,15 @@ std::vector<Prompt> describe_prompts(const std::string& room, const HomeMap& map
     if (std::ranges::count(others, other) == 0) others.push_back(other);
   }
   answer.list("describe.leads_to", {}, "rooms", room_list(others));
+  for (const rooms::Doorway* door : doors) {
+    const DoorWidth width = width_of(*door);
+    if (!door->is_door() || width == DoorWidth::kUsual) continue;
+    // As exact as a floor's cells.
+    const double width_cm = 5 * std::round(100 * door->width_m / 5);
+    answer.say(width == DoorWidth::kNarrow ? "describe.narrow" : "describe.wide",
+               {{"room", guide::room(door->rooms[door->rooms[0] == room ? 1 : 0])},
+                {"width", wording.phrases().count("centimetre", width_cm)}});
+  }
   auto there = things_in(room, map);
   if (there.empty() || doors.empty() || extent == nullptr) {
     if (there.empty()) answer.say("in.nothing", values);

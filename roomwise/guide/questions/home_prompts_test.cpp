@@ -222,6 +222,21 @@ TEST_F(HomePromptsTest, ARoomIsItsFloorWhereItLeadsAndItsThingsClockwiseFromTheD
       ElementsAre("I do not know how large the attic is.", "I know of nothing in the attic."));
 }
 
+TEST_F(HomePromptsTest, ADoorThatIsNarrowOrWideIsToldByItsWidth) {
+  std::vector<rooms::Doorway> doorways = layout_.doorways();
+  const HomeMap map{&grid_, &layout_, doorways, things_};
+  const auto told = [&](double width_m, const char* code) {
+    doorways[0].width_m = width_m;
+    const Wording wording(&catalogue_, {code, DistanceUnit::kSteps, 1.0});
+    return said(describe_prompts("bedroom", map, nowhere_, wording, today_)).at(2);
+  };
+  EXPECT_EQ(told(0.66, "en"), "The door to the kitchen is narrow, 65 centimetres.");
+  EXPECT_EQ(told(0.66, "de"), "Die Tür zur Küche ist schmal, 65 Zentimeter.");
+  EXPECT_EQ(told(1.14, "en"), "The door to the kitchen is wide, 115 centimetres.");
+  EXPECT_EQ(told(0.86, "en"), "I know of nothing in the bedroom.") << "as doors are";
+  EXPECT_EQ(told(0, "en"), "I know of nothing in the bedroom.") << "not known";
+}
+
 TEST_F(HomePromptsTest, WhereRoomsAreOpenToEachOtherNoDoorIsTold) {
   things_ = {standing("bed", {2, 3, 0.3}, {2, 1.6, 0.6})};
   std::vector<rooms::Doorway> open = layout_.doorways();
