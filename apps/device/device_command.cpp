@@ -198,8 +198,10 @@ void make_device_command(CLI::App& command, Context& context, OpenRecording open
               "speech-dispatcher, text (lines on standard output), or wav:FILE (a recording "
               "of what would be heard)");
   command.add_option("--buttons", options.buttons,
-                     "Input device whose keys 1 to 5 ask too: where, around, the next thing, "
-                     "repeat, quiet; /dev/input/eventN");
+                     "Input device whose keys 1 to 5 ask too: where, around, the next goal (rooms, "
+                     "marked places, the way out, things), repeat, quiet; held for 0.7 s: what "
+                     "comes next, blocked, lead me to the goal just named, pause or go on, end; "
+                     "/dev/input/eventN");
   add_setting(command, "--language", options.language, "en, de, es or fr");
   add_setting(command, "--distances", options.distances, "metres or steps",
               CLI::IsMember({"metres", "steps"}));

@@ -44,6 +44,11 @@ constexpr KeyKinds<int> kButtons = {{KEY_1, Kind::kWhere},
                                     {KEY_3, Kind::kFindNext},
                                     {KEY_4, Kind::kRepeat},
                                     {KEY_5, Kind::kQuiet}};
+constexpr KeyKinds<int> kHeldButtons = {{KEY_1, Kind::kNext},
+                                        {KEY_2, Kind::kBlocked},
+                                        {KEY_3, Kind::kTakeFound},
+                                        {KEY_4, Kind::kPauseOrGoOn},
+                                        {KEY_5, Kind::kEnd}};
 
 template <typename Key>
 std::optional<Kind> kind_of(Key key, KeyKinds<Key> kinds) {
@@ -125,8 +130,16 @@ std::vector<KeyRequest> ButtonEvents::take(std::span<const std::uint8_t> bytes) 
   for (; at + sizeof(input_event) <= rest_.size(); at += sizeof(input_event)) {
     input_event event{};
     std::memcpy(&event, rest_.data() + at, sizeof event);
-    if (event.type != EV_KEY || event.value != 1) continue;  // 0: goes up, 2: is held
-    if (const auto kind = kind_of<int>(event.code, kButtons)) requests.push_back({*kind, ""});
+    if (event.type != EV_KEY) continue;
+    const double at_s = static_cast<double>(event.input_event_sec) +
+                        1e-6 * static_cast<double>(event.input_event_usec);
+    if (event.value == 1) down_s_[event.code] = at_s;  // 2: is held
+    if (event.value != 0) continue;
+    const auto down = down_s_.extract(event.code);
+    if (down.empty()) continue;  // before anybody listened
+    const bool was_held = at_s - down.mapped() >= kLongPress_s;
+    const auto kind = kind_of<int>(event.code, was_held ? kHeldButtons : kButtons);
+    if (kind) requests.push_back({*kind, ""});
   }
   rest_.erase(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(at));
   return requests;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -23,10 +24,12 @@ struct KeyRequest {
     kAround,
     kFind,
     kFindNext,
-    kTake,   // be led there
-    kWay,    // hear the whole way
-    kPause,  // of the guide
+    kTake,       // be led there
+    kTakeFound,  // be led to what kFindNext named last
+    kWay,        // hear the whole way
+    kPause,      // of the guide
     kGoOn,
+    kPauseOrGoOn,
     kHowFar,
     kNext,
     kBlocked,
@@ -82,13 +85,18 @@ class TypedKeys {
 };
 
 // Events of a Linux input device (struct input_event), in pieces of any size: the keys 1 (where am
-// I), 2 (around me), 3 (find the next thing of the home), 4 (repeat), 5 (quiet), when they go down.
+// I), 2 (around me), 3 (find the next goal of the home), 4 (repeat), 5 (quiet), when they go up.
+// Held for kLongPress_s before: 1 (what comes next), 2 (the way is blocked), 3 (lead me to the goal
+// that was named), 4 (pause, go on), 5 (end).
 class ButtonEvents {
  public:
+  static constexpr double kLongPress_s = 0.7;
+
   [[nodiscard]] std::vector<KeyRequest> take(std::span<const std::uint8_t> bytes);
 
  private:
   std::vector<std::uint8_t> rest_;
+  std::map<int, double> down_s_;  // of the keys that are held, by the device's clock: since when
 };
 
 // Both, as they come in. While it lives, a terminal gives each key at once and does not show it.

@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstring>
 #include <sstream>
 
@@ -90,8 +91,10 @@ TEST(TypedKeysTest, ANameIsWaitedForSoLong) {
   EXPECT_THAT(keys.take("w", 21 * kSecond), ElementsAre(KeyRequest{Kind::kWhere, ""}));
 }
 
-std::string event(int code, int value, int type = EV_KEY) {
+std::string event(int code, int value, int type = EV_KEY, double at_s = 0) {
   input_event pressed{};
+  pressed.input_event_sec = static_cast<time_t>(at_s);
+  pressed.input_event_usec = static_cast<suseconds_t>(std::lround(1e6 * std::fmod(at_s, 1)));
   pressed.type = static_cast<std::uint16_t>(type);
   pressed.code = static_cast<std::uint16_t>(code);
   pressed.value = value;
@@ -100,10 +103,14 @@ std::string event(int code, int value, int type = EV_KEY) {
   return bytes;
 }
 
-TEST(ButtonEventsTest, AreHeardWhenTheyGoDown) {
+// For so long from then on.
+std::string press(int code, double from_s, double for_s) {
+  return event(code, 1, EV_KEY, from_s) + event(0, 0, EV_SYN, from_s) +
+         event(code, 2, EV_KEY, from_s + for_s / 2) + event(code, 0, EV_KEY, from_s + for_s);
+}
+
+std::vector<KeyRequest> heard_of(const std::string& bytes) {
   ButtonEvents events;
-  const std::string bytes = event(KEY_1, 1) + event(0, 0, EV_SYN) + event(KEY_1, 2) +
-                            event(KEY_1, 0) + event(KEY_3, 1) + event(KEY_A, 1) + event(KEY_5, 1);
   std::vector<KeyRequest> heard;
   for (std::size_t at = 0; at < bytes.size(); at += 7) {
     const std::string piece = bytes.substr(at, 7);
@@ -111,8 +118,23 @@ TEST(ButtonEventsTest, AreHeardWhenTheyGoDown) {
         events.take({reinterpret_cast<const std::uint8_t*>(piece.data()), piece.size()}),
         std::back_inserter(heard));
   }
-  EXPECT_THAT(heard, ElementsAre(KeyRequest{Kind::kWhere, ""}, KeyRequest{Kind::kFindNext, ""},
-                                 KeyRequest{Kind::kQuiet, ""}));
+  return heard;
+}
+
+TEST(ButtonEventsTest, AreHeardWhenTheyGoUp) {
+  EXPECT_THAT(heard_of(press(KEY_1, 3.5, 0.6) + press(KEY_3, 5, 0.1) + press(KEY_A, 6, 0.1) +
+                       press(KEY_5, 7, 0.1) + event(KEY_2, 1, EV_KEY, 8)),
+              ElementsAre(KeyRequest{Kind::kWhere, ""}, KeyRequest{Kind::kFindNext, ""},
+                          KeyRequest{Kind::kQuiet, ""}));
+  EXPECT_THAT(heard_of(event(KEY_1, 0, EV_KEY, 5)), IsEmpty()) << "went down before";
+}
+
+TEST(ButtonEventsTest, HeldTheyLeadPauseAndEnd) {
+  EXPECT_THAT(heard_of(press(KEY_1, 0.9, 0.8) + press(KEY_2, 5, 0.8) + press(KEY_3, 6, 2) +
+                       press(KEY_4, 9, 0.8) + press(KEY_5, 10, 0.8) + press(KEY_A, 12, 1)),
+              ElementsAre(KeyRequest{Kind::kNext, ""}, KeyRequest{Kind::kBlocked, ""},
+                          KeyRequest{Kind::kTakeFound, ""}, KeyRequest{Kind::kPauseOrGoOn, ""},
+                          KeyRequest{Kind::kEnd, ""}));
 }
 
 TEST(DeviceKeysTest, ReadsAnInputDevice) {
@@ -124,7 +146,7 @@ TEST(DeviceKeysTest, ReadsAnInputDevice) {
   ASSERT_OK(keys);
   std::FILE* buttons = std::fopen(fifo.c_str(), "w");
   ASSERT_NE(buttons, nullptr);
-  const std::string bytes = event(KEY_2, 1);
+  const std::string bytes = press(KEY_2, 0, 0.1);
   std::fwrite(bytes.data(), 1, bytes.size(), buttons);
   std::fclose(buttons);
   std::vector<KeyRequest> heard;

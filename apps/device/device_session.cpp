@@ -34,6 +34,19 @@ bool ends_guidance(std::string_view message) {
          message == "guide.ended" || message == "guide.not_running";
 }
 
+// What one can be led to, as it is asked for: what there is few of first.
+std::vector<service::Ask> goals_of(const service::Welcome& home) {
+  std::vector<service::Ask> goals;
+  for (const std::string& room : home.rooms) {
+    goals.emplace_back().subject = room;
+    goals.back().is_room = true;
+  }
+  for (const std::string& spot : home.spots) goals.emplace_back().subject = spot;
+  goals.emplace_back().is_way_out = true;
+  for (const std::string& thing : home.things) goals.emplace_back().subject = thing;
+  return goals;
+}
+
 double steady_s(TimestampNs now_ns) {
   return static_cast<double>(now_ns) * kSecondsPerNs;
 }
@@ -148,7 +161,7 @@ void DeviceSession::receive(TimestampNs now_ns) {
 
 void DeviceSession::take(const service::HomeMessage& message, TimestampNs now_ns) {
   if (const auto* welcome = std::get_if<service::Welcome>(&message)) {
-    things_ = welcome->things;
+    goals_ = goals_of(*welcome);
     role_ = welcome->role;
     // From now on, if it did not before: a computer that has just begun makes its map ready.
     const bool begins_to_see = welcome->sees_places && !std::exchange(sees_places_, true);
@@ -208,6 +221,8 @@ void DeviceSession::watch_guide(const service::PromptMessage& message) {
       led_by_.reset();
     }
   }
+  if (message.message == "guide.paused") is_paused_ = true;
+  if (message.message == "guide.resumed") is_paused_ = false;
   // A computer that came back says so of whom it has forgotten: they are still to be led on.
   const bool has_forgotten = lead_again_from_ns_ && message.message == "guide.not_running";
   if (ends_guidance(message.message) && !has_forgotten) led_by_.reset();
@@ -315,11 +330,13 @@ void DeviceSession::act(const KeyRequest& request, TimestampNs now_ns) {
       return tell_guide(service::GuideWish::kBlocked, now_ns);
     case Kind::kEnd:
       return tell_guide(service::GuideWish::kEnd, now_ns);
+    case Kind::kPauseOrGoOn:
+      return tell_guide(is_paused_ ? service::GuideWish::kResume : service::GuideWish::kPause,
+                        now_ns);
     case Kind::kFindNext:
-      if (things_.empty()) {
-        return parts_.voice->notice("device.nothing_learned", guide::Sound::kUnsure, now_ns);
-      }
-      return ask(service::Question::kWhereIs, things_[next_thing_++ % things_.size()], now_ns);
+      return find_next(now_ns);
+    case Kind::kTakeFound:
+      return take_to_found(now_ns);
     case Kind::kNameRoom:
       return ask(service::Question::kNameRoom, request.name, now_ns);
     case Kind::kInWords:
@@ -355,6 +372,23 @@ void DeviceSession::act(const KeyRequest& request, TimestampNs now_ns) {
     case Kind::kExit:
       over_ = true;
   }
+}
+
+// Where it is, so that its name is heard before somebody is led there.
+void DeviceSession::find_next(TimestampNs now_ns) {
+  if (goals_.empty()) {
+    return parts_.voice->notice("device.connection_lost", guide::Sound::kLost, now_ns);
+  }
+  found_ = goals_[next_goal_++ % goals_.size()];
+  found_->question = service::Question::kWhereIs;
+  ask(*found_, now_ns);
+}
+
+void DeviceSession::take_to_found(TimestampNs now_ns) {
+  if (!found_) return find_next(now_ns);
+  service::Ask goal = *found_;
+  goal.question = service::Question::kTakeMeTo;
+  ask(std::move(goal), now_ns);
 }
 
 void DeviceSession::ask(service::Question question, const std::string& subject,

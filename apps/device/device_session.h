@@ -64,6 +64,8 @@ class DeviceSession : private Interruption {
   void watch_camera(TimestampNs now_ns);
   void send_frames(TimestampNs now_ns);
   void act(const KeyRequest& request, TimestampNs now_ns);
+  void find_next(TimestampNs now_ns);
+  void take_to_found(TimestampNs now_ns);
   void ask(service::Ask ask, TimestampNs now_ns);
   void tell_guide(service::GuideWish wish, TimestampNs now_ns);
   void ask(service::Question question, const std::string& subject, TimestampNs now_ns);
@@ -73,8 +75,9 @@ class DeviceSession : private Interruption {
   DeviceParts parts_;
   service::DeviceLink link_;
   std::unique_ptr<service::ServerConnection> connection_;
-  std::vector<std::string> things_;
-  std::size_t next_thing_ = 0;
+  std::vector<service::Ask> goals_;  // of the home, as they are asked for
+  std::size_t next_goal_ = 0;
+  std::optional<service::Ask> found_;  // the goal that was asked for last
   std::int64_t questions_ = 0;
   std::int64_t newest_answered_ = 0;            // of the questions
   std::map<std::int64_t, service::Ask> asked_;  // and not answered

@@ -1,10 +1,15 @@
 #include "device_session.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <linux/input.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/service/testing/testing_service.h"
 
@@ -156,8 +161,11 @@ class AnsweringHome final : public service::SocketHandler {
       } else if (ask.question == service::Question::kGuide && home_.has_forgotten) {
         say(ask, "guide", "I lead you nowhere.", "guide.not_running");
       } else if (ask.question == service::Question::kGuide) {
+        using service::GuideWish;
         say(ask, "guide", "As you wish.",
-            ask.wish == service::GuideWish::kEnd ? "guide.ended" : "guide.paused");
+            ask.wish == GuideWish::kEnd      ? "guide.ended"
+            : ask.wish == GuideWish::kResume ? "guide.resumed"
+                                             : "guide.paused");
       } else if (ask.question == service::Question::kTeachThing) {
         say(ask, "teaching", "Show it.", "teach.begin");
       } else if (ask.question == service::Question::kNameThing) {
@@ -213,7 +221,9 @@ class DeviceSessionTest : public ::testing::Test {
     EXPECT_EQ(::pipe(ends), 0);
     keyboard_ = ends[0];
     typing_ = ends[1];
-    parts.keys = DeviceKeys::open(keyboard_, "").value();
+    EXPECT_EQ(::mkfifo((folder_ / "event0").c_str(), 0600), 0);
+    parts.keys = DeviceKeys::open(keyboard_, folder_ / "event0").value();
+    buttons_ = ::open((folder_ / "event0").c_str(), O_WRONLY);
     parts.camera = std::move(camera);
     // However slow the machine is, nothing is lost and nothing slow.
     parts.times = {.acknowledged_s = 1000, .slow_from_s = 1000};
@@ -224,9 +234,25 @@ class DeviceSessionTest : public ::testing::Test {
   ~DeviceSessionTest() override {
     ::close(keyboard_);
     ::close(typing_);
+    ::close(buttons_);
   }
   void type(const std::string& text) const {
     EXPECT_EQ(::write(typing_, text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  }
+  void press(int key, bool is_held = false) const {
+    std::array<input_event, 2> events{};
+    events[0].type = events[1].type = EV_KEY;
+    events[0].code = events[1].code = static_cast<std::uint16_t>(key);
+    events[0].value = 1;
+    events[1].input_event_sec = is_held ? 1 : 0;
+    EXPECT_EQ(::write(buttons_, events.data(), sizeof events), ssize_t{sizeof events});
+  }
+  // What is asked as the one of that number, from 1 on.
+  service::Ask asked(std::size_t number) {
+    EXPECT_TRUE(home_.signal.wait([&] { return home_.asks.size() >= number; }));
+    service::Ask ask;
+    home_.signal.change([&] { ask = home_.asks.at(number - 1); });
+    return ask;
   }
   void start_server() {
     around_.options.port = server_ ? server_->port() : std::uint16_t{0};
@@ -242,6 +268,8 @@ class DeviceSessionTest : public ::testing::Test {
   HeardSpeaker* speaker_ = nullptr;
   int keyboard_ = -1;  // the two ends of a pipe
   int typing_ = -1;
+  roomwise::testing::ScratchFolder folder_;
+  int buttons_ = -1;  // where they are pressed
   std::unique_ptr<DeviceSession> session_;
 };
 
@@ -457,6 +485,35 @@ TEST_F(DeviceSessionTest, AsksWhatIsTypedAndSpeaksTheAnswers) {
   ASSERT_EQ(home_.asks.size(), 2u);
   EXPECT_EQ(home_.asks[1].question, service::Question::kWhereAmI);
   EXPECT_GE(session_->prompts(), 1u);
+}
+
+TEST_F(DeviceSessionTest, FiveButtonsChooseAGoalPauseGoOnAndEnd) {
+  using service::GuideWish;
+  using service::Question;
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  press(KEY_3);
+  EXPECT_TRUE(asked(1).is_room) << "rooms come first";
+  press(KEY_3);
+  EXPECT_TRUE(asked(2).is_way_out);
+  press(KEY_3);
+  EXPECT_EQ(asked(3).question, Question::kWhereIs);
+  EXPECT_EQ(asked(3).subject, "bed");
+  EXPECT_TRUE(speaker_->hears("Answer about bed."));
+  press(KEY_3, true);
+  EXPECT_EQ(asked(4).question, Question::kTakeMeTo);
+  EXPECT_EQ(asked(4).subject, "bed");
+  EXPECT_TRUE(speaker_->hears("To the bed."));
+  press(KEY_4, true);
+  EXPECT_EQ(asked(5).wish, GuideWish::kPause);
+  press(KEY_4, true);
+  EXPECT_EQ(asked(6).wish, GuideWish::kResume);
+  press(KEY_2, true);
+  EXPECT_EQ(asked(7).wish, GuideWish::kBlocked);
+  press(KEY_5, true);
+  EXPECT_EQ(asked(8).wish, GuideWish::kEnd);
+  type("x");
+  running.join();
 }
 
 TEST_F(DeviceSessionTest, TeachesAThingByKeysAndStopsByTheSameKey) {
