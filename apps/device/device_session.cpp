@@ -43,7 +43,18 @@ std::vector<service::Ask> goals_of(const service::Welcome& home) {
   }
   for (const std::string& spot : home.spots) goals.emplace_back().subject = spot;
   goals.emplace_back().is_way_out = true;
-  for (const std::string& thing : home.things) goals.emplace_back().subject = thing;
+  for (const std::string& thing : home.things) {
+    const auto several =
+        std::ranges::find(home.things_in_rooms, thing, &service::ThingInRooms::thing);
+    if (several == home.things_in_rooms.end()) {
+      goals.emplace_back().subject = thing;
+      continue;
+    }
+    for (const std::string& room : several->rooms) {
+      goals.emplace_back().subject = thing;
+      goals.back().in_room = room;
+    }
+  }
   return goals;
 }
 

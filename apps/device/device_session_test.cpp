@@ -131,8 +131,15 @@ class AnsweringHome final : public service::SocketHandler {
       const auto message = service::read_device_message(text);
       ASSERT_OK(message);
       if (const auto* hello = std::get_if<service::Hello>(&*message)) {
-        out_->send_text(write(service::HomeMessage(
-            service::Welcome{"flat", "device", {"kitchen"}, {"bed", "lamp"}, true, true})));
+        out_->send_text(
+            write(service::HomeMessage(service::Welcome{"flat",
+                                                        "device",
+                                                        {"kitchen"},
+                                                        {"bed", "lamp"},
+                                                        true,
+                                                        true,
+                                                        {},
+                                                        {{"lamp", {"hall", "kitchen"}}}})));
         home_.signal.change([&] {
           home_.hellos.push_back(*hello);
           home_.last_out = out_;
@@ -512,6 +519,10 @@ TEST_F(DeviceSessionTest, FiveButtonsChooseAGoalPauseGoOnAndEnd) {
   EXPECT_EQ(asked(7).wish, GuideWish::kBlocked);
   press(KEY_5, true);
   EXPECT_EQ(asked(8).wish, GuideWish::kEnd);
+  press(KEY_3);
+  press(KEY_3);
+  EXPECT_EQ(asked(10).subject, "lamp");
+  EXPECT_EQ(asked(9).in_room + asked(10).in_room, "hallkitchen") << "one in each room";
   type("x");
   running.join();
 }

@@ -1,6 +1,7 @@
 #include "roomwise/live/answers.h"
 
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "roomwise/guide/legs.h"
@@ -516,6 +517,22 @@ std::vector<std::string> names_of_things(const HomeView& home,
     names.insert(wording.phrases().called({guide::Noun::Kind::kThing, thing.name}));
   }
   return {names.begin(), names.end()};
+}
+
+std::vector<service::ThingInRooms> things_in_rooms(const HomeView& home,
+                                                   const service::SpeakingSettings& settings) {
+  const guide::Wording wording = wording_of(settings);
+  std::map<std::string, std::set<std::string>> rooms_of;  // "": of one it is not known
+  for (const guide::KnownThing& thing : home.things) {
+    const std::string name = wording.phrases().called({guide::Noun::Kind::kThing, thing.name});
+    rooms_of[name].insert(thing.room.value_or(""));
+  }
+  std::vector<service::ThingInRooms> several;
+  for (const auto& [name, rooms] : rooms_of) {
+    if (rooms.size() > 1 && !rooms.contains(""))
+      several.push_back({name, {rooms.begin(), rooms.end()}});
+  }
+  return several;
 }
 
 guide::Prompt no_picture(const service::SpeakingSettings& settings, double now_t_ms) {

@@ -71,6 +71,10 @@ constexpr double kMaxSpotSigma_m = 0.3;
 [[nodiscard]] std::vector<std::string> names_of_things(const HomeView& home,
                                                        const service::SpeakingSettings& settings);
 
+// Of these names those of which several stand in different rooms, where all their rooms are known.
+[[nodiscard]] std::vector<service::ThingInRooms> things_in_rooms(
+    const HomeView& home, const service::SpeakingSettings& settings);
+
 // What may be named in a question in one's own words. The home must outlive it.
 [[nodiscard]] guide::HomeNames names_in(const HomeView& home);
 // The question that was meant by one in words, as if it had been asked so; nothing where it is none

@@ -151,6 +151,7 @@ service::Welcome Device::welcome() const {
   welcome.role = service::to_string(who_.role);
   for (const rooms::Room& room : view->rooms) welcome.rooms.push_back(room.name);
   welcome.things = names_of_things(*view, settings_);
+  welcome.things_in_rooms = things_in_rooms(*view, settings_);
   for (const ViewedSpot& spot : view->spots) {
     if (!spot.stored.name.empty()) welcome.spots.push_back(spot.stored.name);
   }

@@ -149,13 +149,20 @@ TEST_F(DeviceTest, IsWelcomedWithWhatTheHomeHas) {
   guide::KnownThing bed;
   bed.name = "bed";
   host.home->things = {bed, bed};
+  for (const char* const room : {"kitchen", "bath", "kitchen"}) {
+    guide::KnownThing& stool = host.home->things.emplace_back();
+    stool.name = "stool";
+    stool.room = room;
+  }
   say(hello());
   const auto welcome = wire->take<service::Welcome>();
   ASSERT_THAT(welcome, SizeIs(1));
   EXPECT_EQ(welcome[0].home, "flat");
   EXPECT_EQ(welcome[0].role, "device");
   EXPECT_THAT(welcome[0].rooms, ::testing::ElementsAre("bath", "kitchen"));
-  EXPECT_THAT(welcome[0].things, ::testing::ElementsAre("bed"));  // each name once
+  EXPECT_THAT(welcome[0].things, ::testing::ElementsAre("bed", "stool"));  // each name once
+  const service::ThingInRooms stool{"stool", {"bath", "kitchen"}};
+  EXPECT_THAT(welcome[0].things_in_rooms, ::testing::ElementsAre(stool));
   EXPECT_FALSE(welcome[0].sees_rooms);
 }
 

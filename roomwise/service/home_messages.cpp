@@ -5,12 +5,17 @@ namespace roomwise::service {
 namespace {
 
 OrderedJson welcome_json(const Welcome& welcome, std::string_view type) {
+  OrderedJson in_rooms = OrderedJson::array();
+  for (const auto& [thing, rooms] : welcome.things_in_rooms) {
+    in_rooms.push_back({{"thing", thing}, {"rooms", rooms}});
+  }
   return {{"type", type},
           {"version", kProtocolVersion},
           {"home", welcome.home},
           {"role", welcome.role},
           {"rooms", welcome.rooms},
           {"things", welcome.things},
+          {"things_in_rooms", std::move(in_rooms)},
           {"spots", welcome.spots},
           {"sees_rooms", welcome.sees_rooms},
           {"sees_places", welcome.sees_places},
@@ -94,6 +99,13 @@ Expected<HomeMessage> read_welcome(const OrderedJson& json) {
   welcome.rooms = members.texts("rooms");
   welcome.things = members.texts("things");
   if (members.has("spots")) welcome.spots = members.texts("spots");
+  if (members.has("things_in_rooms")) {
+    for (const OrderedJson& one : json.at("things_in_rooms")) {
+      Members in_rooms(one);
+      welcome.things_in_rooms.push_back({in_rooms.text("thing"), in_rooms.texts("rooms")});
+      if (in_rooms.error()) return fail("'things_in_rooms': {}", in_rooms.error()->message);
+    }
+  }
   welcome.sees_rooms = members.yes_or_no("sees_rooms");
   welcome.sees_places = members.yes_or_no("sees_places");
   return members.finish<HomeMessage>(std::move(welcome));

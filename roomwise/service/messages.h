@@ -166,6 +166,14 @@ struct FrameMessage {
 
 // ---- from the computer ----
 
+// Several of one name, in different rooms.
+struct ThingInRooms {
+  std::string thing;
+  std::vector<std::string> rooms;
+
+  bool operator==(const ThingInRooms&) const = default;
+};
+
 struct Welcome {
   std::string home;
   std::string role;
@@ -174,6 +182,7 @@ struct Welcome {
   bool sees_rooms = false;              // rooms were learned
   bool sees_places = false;             // there is a map to find places on
   std::vector<std::string> spots = {};  // that were marked, as far as this device may know
+  std::vector<ThingInRooms> things_in_rooms = {};  // of the things those that must be told apart
 };
 
 struct FrameArrived {

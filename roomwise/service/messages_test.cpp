@@ -120,8 +120,10 @@ TEST(Messages, SettingsChangeOnlyWhatTheyName) {
 }
 
 TEST(Messages, WhatTheComputerSaysComesBack) {
-  const auto welcome =
-      read_back_home<Welcome>(Welcome{"Our flat", "device", {"bath"}, {"bed"}, true, false});
+  const ThingInRooms chair{"chair", {"hall", "kitchen"}};
+  const auto welcome = read_back_home<Welcome>(
+      Welcome{"Our flat", "device", {"bath"}, {"bed"}, true, false, {}, {chair}});
+  EXPECT_THAT(welcome.things_in_rooms, ElementsAre(chair));
   EXPECT_EQ(welcome.home, "Our flat");
   EXPECT_THAT(welcome.rooms, ElementsAre("bath"));
   EXPECT_TRUE(welcome.sees_rooms);

@@ -1,10 +1,12 @@
 // What a person may ask the way to, or find, as the phone lists it. A room may be called as the way out is, or as a thing: each
 // entry has its kind, and no two have the same label.
+import type { ThingInRooms } from '../shared/protocol';
 import { text } from '../shared/texts';
 
 export interface Goal {
   kind: 'spot' | 'way out' | 'room' | 'thing';
   name: string; // as the computer knows it
+  room?: string; // of several things of that name the one there
   label: string; // as it is listed
 }
 
@@ -12,11 +14,12 @@ export interface Known {
   spots: readonly string[];
   rooms: readonly string[];
   things: readonly string[];
+  thingsInRooms?: readonly ThingInRooms[];
 }
 
 // The way out always: who asks where none is known hears who can add it. A spot or a thing that is called so is the way out,
 // and a thing that is called as a spot is that spot: so the computer understands these names.
-export function goalsOf({ spots, rooms, things }: Known, wayOut: string): Goal[] {
+export function goalsOf({ spots, rooms, things, thingsInRooms = [] }: Known, wayOut: string): Goal[] {
   const goals: Goal[] = spots.filter((name) => name !== wayOut).map((name) => ({ kind: 'spot', name, label: name }));
   goals.push({ kind: 'way out', name: wayOut, label: wayOut });
   const taken = new Set(goals.map((goal) => goal.label));
@@ -24,7 +27,10 @@ export function goalsOf({ spots, rooms, things }: Known, wayOut: string): Goal[]
     goals.push({ kind: 'room', name, label: taken.has(name) ? text('choice.room', { name }) : name });
   }
   for (const name of new Set(things)) {
-    if (!taken.has(name)) {
+    const several = taken.has(name) ? undefined : thingsInRooms.find((one) => one.thing === name);
+    if (several) {
+      goals.push(...several.rooms.map((room): Goal => ({ kind: 'thing', name, room, label: `${name}, ${room}` })));
+    } else if (!taken.has(name)) {
       goals.push({ kind: 'thing', name, label: rooms.includes(name) ? text('choice.thing', { name }) : name });
     }
   }

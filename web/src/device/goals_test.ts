@@ -26,6 +26,13 @@ test('what is called as the way out, or as a spot, is that, once', () => {
   assert.deepEqual(goals.map((goal) => [goal.kind, goal.label]), [['spot', 'my chair'], ['way out', 'Exit']]);
 });
 
+test('of things of one name in different rooms each room has its own', () => {
+  const thingsInRooms = [{ thing: 'chair', rooms: ['hall', 'kitchen'] }];
+  const goals = goalsOf({ spots: [], rooms: [], things: ['bed', 'chair'], thingsInRooms }, 'Exit');
+  assert.deepEqual(goals.map((goal) => goal.label), ['Exit', 'bed', 'chair, hall', 'chair, kitchen']);
+  assert.deepEqual(goalCalled(goals, 'chair, kitchen'), { kind: 'thing', name: 'chair', room: 'kitchen', label: 'chair, kitchen' });
+});
+
 test('what is typed and not in the list is asked for as a thing', () => {
   assert.deepEqual(goalCalled([], 'teapot'), { kind: 'thing', name: 'teapot', label: 'teapot' });
 });

@@ -2,7 +2,8 @@
 import { browserSession } from '../shared/browser_session';
 import { frameEnvelope } from '../shared/frame_envelope';
 import {
-  kProtocolVersion, type FromComputer, type Hello, type Job, type Me, type Priority, type Prompt, type Question, type RecordingState, type Welcome,
+  kProtocolVersion, type FromComputer, type Hello, type Job, type Me, type Priority, type Prompt, type Question, type RecordingState,
+  type ThingInRooms, type Welcome,
 } from '../shared/protocol';
 import type { Session } from '../shared/session';
 import { wayOut, type SpokenKey } from '../shared/spoken';
@@ -30,6 +31,7 @@ export interface PhoneState {
   home: string;
   rooms: string[];
   things: string[];
+  thingsInRooms: ThingInRooms[]; // of these those that must be told apart
   spots: string[]; // that were marked
   online: boolean;
   camera: 'off' | 'good' | 'dark' | 'covered' | 'blurred';
@@ -42,9 +44,13 @@ export interface PhoneState {
   teaching: Teaching;
 }
 
+function thingOf(thing: string, room: string | undefined): { thing: string; in?: string } {
+  return room === undefined ? { thing } : { thing, in: room };
+}
+
 export class Phone {
   readonly state: PhoneState = {
-    home: '', rooms: [], things: [], spots: [], online: false, camera: 'off', recording: null, pictures: 0, isWalking: false, waits: false, quiet: false,
+    home: '', rooms: [], things: [], thingsInRooms: [], spots: [], online: false, camera: 'off', recording: null, pictures: 0, isWalking: false, waits: false, quiet: false,
     led: false, teaching: 'no',
   };
   private readonly session: Session;
@@ -117,18 +123,18 @@ export class Phone {
     }
   }
 
-  takeMeTo({ kind, name }: Goal): void {
+  takeMeTo({ kind, name, room }: Goal): void {
     if (kind === 'way out') {
       this.ask({ question: 'take_me_to', goal: 'way_out' });
     } else {
-      this.ask(kind === 'room' ? { question: 'take_me_to', room: name } : { question: 'take_me_to', thing: name });
+      this.ask(kind === 'room' ? { question: 'take_me_to', room: name } : { question: 'take_me_to', ...thingOf(name, room) });
     }
     this.state.led = this.ledAgain.isLed;
     this.changed();
   }
 
-  whereIs({ kind, name }: Goal): void {
-    this.ask(kind === 'way out' ? { question: 'where_is', goal: 'way_out' } : { question: 'where_is', thing: name });
+  whereIs({ kind, name, room }: Goal): void {
+    this.ask(kind === 'way out' ? { question: 'where_is', goal: 'way_out' } : { question: 'where_is', ...thingOf(name, room) });
   }
 
   // What one may be led to.
@@ -258,10 +264,11 @@ export class Phone {
     }
   }
 
-  private learnHome(message: Partial<Pick<Welcome, 'home' | 'rooms' | 'things' | 'spots'>>): void {
+  private learnHome(message: Partial<Pick<Welcome, 'home' | 'rooms' | 'things' | 'things_in_rooms' | 'spots'>>): void {
     this.state.home = message.home ?? this.state.home;
     this.state.rooms = message.rooms ?? this.state.rooms;
     this.state.things = message.things ?? this.state.things;
+    this.state.thingsInRooms = message.things_in_rooms ?? this.state.thingsInRooms;
     this.state.spots = message.spots ?? this.state.spots;
   }
 

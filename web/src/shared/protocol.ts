@@ -28,6 +28,12 @@ export interface Prompt {
   valid_until_t: number;
 }
 
+// Several of one name, in different rooms.
+export interface ThingInRooms {
+  thing: string;
+  rooms: string[];
+}
+
 export interface Welcome {
   type: 'welcome';
   version: number;
@@ -35,6 +41,7 @@ export interface Welcome {
   role: Role;
   rooms: string[];
   things: string[];
+  things_in_rooms?: ThingInRooms[]; // of the things those that must be told apart
   spots?: string[]; // that this device marked; a computer of before tells none
   sees_rooms: boolean;
   sees_places: boolean;
@@ -156,8 +163,8 @@ export type GuideWish = 'pause' | 'resume' | 'how_far' | 'next' | 'blocked' | 'e
 export type Question =
   | { question: 'where_am_i' | 'around_me' | 'repeat' }
   | { question: 'in_words'; text: string }
-  | { question: 'where_is'; thing: string }
-  | { question: 'take_me_to'; thing: string } // or what else the computer knows by that name
+  | { question: 'where_is'; thing: string; in?: string } // in that room
+  | { question: 'take_me_to'; thing: string; in?: string } // or what else the computer knows by that name
   | { question: 'take_me_to'; room: string }
   | { question: 'take_me_to' | 'where_is'; goal: 'way_out' }
   | { question: 'guide'; wish: GuideWish }
