@@ -2,6 +2,7 @@
 
 #include "roomwise/base/in_context.h"
 #include "roomwise/image/decoders.h"
+#include "roomwise/image/metadata.h"
 
 namespace roomwise::image {
 namespace {
@@ -48,11 +49,13 @@ Expected<Photo> read_photo(const std::filesystem::path& path) {
 }
 
 Bytes color_file(const RgbdFrame& frame) {
-  return frame.encoded_color.empty() ? encode_png(frame.color) : frame.encoded_color;
+  auto bare = without_metadata(frame.encoded_color);
+  return bare ? *std::move(bare) : encode_png(frame.color);
 }
 
 Bytes depth_file(const RgbdFrame& frame) {
-  return frame.encoded_depth.empty() ? encode_png(frame.depth) : frame.encoded_depth;
+  auto bare = without_metadata(frame.encoded_depth);
+  return bare ? *std::move(bare) : encode_png(frame.depth);
 }
 
 }  // namespace roomwise::image

@@ -49,7 +49,8 @@ struct Photo {
 [[nodiscard]] Bytes encode_png(const ColorImage& image);
 [[nodiscard]] Bytes encode_png(const DepthImage& image);
 
-// The images of a frame as files: as its source gave them, else encoded without loss.
+// The images of a frame as files: as its source gave them, without what they say besides the
+// picture (metadata.h), else encoded without loss.
 [[nodiscard]] Bytes color_file(const RgbdFrame& frame);
 [[nodiscard]] Bytes depth_file(const RgbdFrame& frame);
 

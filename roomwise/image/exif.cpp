@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "roomwise/image/metadata.h"
+
 namespace roomwise::image {
 namespace {
 
@@ -57,6 +59,15 @@ class ExifDirectory {
     const auto over = tiff_.u32(*where), under = tiff_.u32(std::size_t{*where} + 4);
     if (!over || !under || *over == 0 || *under == 0) return std::nullopt;
     return 1.0 * *over / *under;
+  }
+
+  [[nodiscard]] bool has_any(std::initializer_list<std::uint32_t> tags) const {
+    return std::ranges::any_of(tags, [&](std::uint32_t tag) { return find(tag).has_value(); });
+  }
+  // The directory whose address stands under `tag`.
+  [[nodiscard]] std::optional<ExifDirectory> below(std::uint32_t tag) const {
+    const auto start = whole(tag);
+    return start ? std::optional(ExifDirectory(tiff_, *start)) : std::nullopt;
   }
 
  private:
@@ -125,6 +136,8 @@ std::optional<double> within(const std::optional<Number>& number, double min, do
   return static_cast<double>(*number);
 }
 
+constexpr std::uint32_t kExifDirectory = 0x8769;
+
 int side_in(const ExifDirectory& exif, std::uint32_t tag) {
   constexpr std::uint32_t kMaxSide = 1'000'000;
   const std::uint32_t side = exif.whole(tag).value_or(0);
@@ -142,21 +155,35 @@ int exif_orientation(std::span<const std::uint8_t> app1) {
 }
 
 std::optional<ExifLens> exif_lens(std::span<const std::uint8_t> app1) {
-  constexpr std::uint32_t kExifDirectory = 0x8769, kFocalLength = 0x920A, kFocalLength35mm = 0xA405,
-                          kDigitalZoom = 0xA404, kWidth = 0xA002, kHeight = 0xA003;
+  constexpr std::uint32_t kFocalLength = 0x920A, kFocalLength35mm = 0xA405, kDigitalZoom = 0xA404,
+                          kWidth = 0xA002, kHeight = 0xA003;
   const auto tiff = tiff_in(app1);
   const auto first = tiff ? directory_at(*tiff, 4) : std::nullopt;
-  const auto where = first ? first->whole(kExifDirectory) : std::nullopt;
-  if (!where) return std::nullopt;
-  const ExifDirectory exif(*tiff, *where);
+  const auto exif = first ? first->below(kExifDirectory) : std::nullopt;
+  if (!exif) return std::nullopt;
   ExifLens lens;
-  lens.focal_length_mm = within(exif.positive(kFocalLength), 0.1, 2000);
-  lens.focal_length_35mm_mm = within(exif.whole(kFocalLength35mm), 1, 2000);
-  lens.pixels_per_mm = within(pixels_per_mm_in(exif), 1, 100'000);
-  lens.digital_zoom = within(exif.positive(kDigitalZoom), 1, 1000);
-  lens.width = side_in(exif, kWidth);
-  lens.height = side_in(exif, kHeight);
+  lens.focal_length_mm = within(exif->positive(kFocalLength), 0.1, 2000);
+  lens.focal_length_35mm_mm = within(exif->whole(kFocalLength35mm), 1, 2000);
+  lens.pixels_per_mm = within(pixels_per_mm_in(*exif), 1, 100'000);
+  lens.digital_zoom = within(exif->positive(kDigitalZoom), 1, 1000);
+  lens.width = side_in(*exif, kWidth);
+  lens.height = side_in(*exif, kHeight);
   return lens.tells_focal_length() ? std::optional(lens) : std::nullopt;
+}
+
+PersonalFacts exif_personal_facts(std::span<const std::uint8_t> app1) {
+  constexpr std::uint32_t kGpsDirectory = 0x8825, kLatitude = 2, kLongitude = 4;
+  constexpr std::uint32_t kMake = 0x010F, kModel = 0x0110, kComputer = 0x013C, kSerial = 0xA431;
+  constexpr std::uint32_t kArtist = 0x013B, kCopyright = 0x8298, kCameraOwner = 0xA430;
+  PersonalFacts facts;
+  const auto tiff = tiff_in(app1);
+  const auto first = tiff ? directory_at(*tiff, 4) : std::nullopt;
+  if (!first) return facts;
+  const auto gps = first->below(kGpsDirectory), exif = first->below(kExifDirectory);
+  facts.place = gps && gps->has_any({kLatitude, kLongitude});
+  facts.device = first->has_any({kMake, kModel, kComputer}) || (exif && exif->has_any({kSerial}));
+  facts.owner = first->has_any({kArtist, kCopyright}) || (exif && exif->has_any({kCameraOwner}));
+  return facts;
 }
 
 ColorImage apply_orientation(ColorImage image, int orientation) {

@@ -6,6 +6,7 @@
 
 #include "roomwise/base/file.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/image/metadata.h"
 #include "roomwise/live/remove_folder.h"
 
 namespace roomwise::live {
@@ -143,10 +144,11 @@ Expected<void> RoomPhotos::check_can_join(const std::string& kept,
       found->photos, joined, kept, joined);
 }
 
-Expected<std::size_t> RoomPhotos::add(const std::string& room,
-                                      std::span<const std::uint8_t> picture) {
+Expected<std::size_t> RoomPhotos::add(const std::string& room, std::span<const std::uint8_t> sent) {
   ROOMWISE_CHECK_OK(recording::validate_room_name(room));
-  ROOMWISE_TRY(const image::ColorImage color, image::decode_color(picture, kMaxPhotoPixels));
+  ROOMWISE_TRY(const image::ColorImage color, image::decode_color(sent, kMaxPhotoPixels));
+  const auto bare = image::without_metadata(sent);
+  const Bytes picture = bare ? *bare : image::encode_png(color);
   if (std::min(color.width(), color.height()) < kMinPhotoSide_px) {
     return fail("the photo has {} x {} pixels; at least {} a side are needed", color.width(),
                 color.height(), kMinPhotoSide_px);

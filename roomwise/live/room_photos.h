@@ -42,11 +42,12 @@ class RoomPhotos {
   // `folder` is made with the first photo.
   explicit RoomPhotos(std::filesystem::path folder, PhotoLimits limits = {});
 
-  // How many photos of the room there are now; one that is there already is not counted again.
+  // Keeps the picture alone (metadata.h): not where it was taken. How many photos of the room there
+  // are now; one that is there already is not counted again.
   // Fails on what is no picture or a tiny one, and where there are enough; by kDiskFull, with the
   // mend, where photos or the disk leave no room for it.
   [[nodiscard]] Expected<std::size_t> add(const std::string& room,
-                                          std::span<const std::uint8_t> picture);
+                                          std::span<const std::uint8_t> sent);
   [[nodiscard]] Expected<std::vector<Count>> counts() const;             // by room
   [[nodiscard]] Expected<std::vector<pipeline::RoomPhoto>> all() const;  // by room and file
   // Fails, saying what to do, where the room has photos: rooms that are learned with them would

@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include "roomwise/base/file.h"
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/image/testing/exif_writer.h"
 
 namespace roomwise::live {
 namespace {
@@ -31,6 +33,14 @@ TEST_F(RoomPhotosFolder, AreCountedByRoomAndKeptWhenTheComputerStops) {
   EXPECT_THAT(later.counts().value(),
               ElementsAre(RoomPhotos::Count{"bath/toilet", 1}, RoomPhotos::Count{"kitchen", 2}));
   EXPECT_EQ(later.all()->size(), 3U);
+}
+
+TEST_F(RoomPhotosFolder, KeepNothingOfWhereAndByWhomTheyWereTaken) {
+  const Bytes plain = image::encode_jpeg(image::ColorImage(200, 200), 90);
+  const Bytes sent = image::testing::with_exif(plain, image::testing::exif_with_place(1));
+  EXPECT_EQ(photos.add("kitchen", sent).value(), 1U);
+  EXPECT_EQ(photos.add("kitchen", sent).value(), 1U) << "the same again";
+  EXPECT_EQ(read_file(photos.all()->front().path).value(), plain);
 }
 
 TEST_F(RoomPhotosFolder, WhatIsNoPhotoIsRefused) {

@@ -247,9 +247,7 @@ Expected<void> TumWriter::write(const image::RgbdFrame& frame,
   if (frame.device_motion) {
     ROOMWISE_CHECK_OK(motion_->add(frame.timestamp_ns, *frame.device_motion, covariance));
   }
-  auto depth_added = depth_list_->add(frame.timestamp_ns, frame.encoded_depth.empty()
-                                                              ? image::encode_png(frame.depth)
-                                                              : frame.encoded_depth);
+  auto depth_added = depth_list_->add(frame.timestamp_ns, image::depth_file(frame));
   if (!depth_added) {
     if (frame.device_motion) motion_->take_back();
     return depth_added;
@@ -257,7 +255,7 @@ Expected<void> TumWriter::write(const image::RgbdFrame& frame,
   auto color_added =
       color_list_->add(frame.timestamp_ns, frame.encoded_color.empty()
                                                ? image::encode_jpeg(frame.color, kJpegQuality)
-                                               : frame.encoded_color);
+                                               : image::color_file(frame));
   if (!color_added) {
     depth_list_->take_back();
     if (frame.device_motion) motion_->take_back();

@@ -34,8 +34,8 @@ class TumWriter final : public FrameSink {
   TumWriter(const TumWriter&) = delete;
   TumWriter& operator=(const TumWriter&) = delete;
 
-  // Stores the frame's encoded images as they are; raw ones as encode_images() does.
-  // Fails where the time does not increase.
+  // Stores the frame's encoded images as image::color_file() gives them; raw ones as
+  // encode_images() does. Fails where the time does not increase.
   [[nodiscard]] Expected<void> write(const image::RgbdFrame& frame) override {
     return write(frame, std::nullopt);
   }

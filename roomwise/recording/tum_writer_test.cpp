@@ -9,6 +9,7 @@
 #include "roomwise/base/file.h"
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/image/testing/exif_writer.h"
 #include "roomwise/recording/tum_recording.h"
 
 namespace roomwise::recording {
@@ -91,6 +92,18 @@ TEST_F(TumWriterFolder, KeepsEncodedImagesAsTheyAre) {
   EXPECT_EQ(frames[1].encoded_color, jpeg.encoded_color);
   EXPECT_TRUE(std::filesystem::exists(folder_ / "rgb/1.000000.png"));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "rgb/1.033333333.jpg"));
+}
+
+TEST_F(TumWriterFolder, KeepsNothingOfWhereAndByWhomAPictureWasTaken) {
+  image::RgbdFrame frame = raw_frame(0);
+  const Bytes plain = image::encode_jpeg(frame.color, 90);
+  frame.encoded_color =
+      image::testing::with_exif(plain, image::testing::exif_with_place(image::kUpright));
+  ASSERT_OK(writer_->write(frame));
+  ASSERT_OK(writer_->close());
+  const Bytes stored = read_file(folder_ / "rgb/1.000000.jpg").value();
+  EXPECT_EQ(image::testing::secrets_in(stored), "");
+  EXPECT_EQ(image::decode_color(stored).value(), image::decode_color(plain).value());
 }
 
 TEST_F(TumWriterFolder, KeepsTheDevicesMotion) {

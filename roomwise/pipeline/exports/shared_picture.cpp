@@ -3,20 +3,23 @@
 #include <string_view>
 
 #include "roomwise/image/codec.h"
+#include "roomwise/image/metadata.h"
 
 namespace roomwise::pipeline {
 namespace {
 
-bool has_exif(const Bytes& picture) {
-  constexpr std::string_view kJpegExif("Exif\0", 5), kPngExif("eXIf", 4);
-  const std::string_view bytes(reinterpret_cast<const char*>(picture.data()), picture.size());
-  return bytes.find(kJpegExif) != bytes.npos || bytes.find(kPngExif) != bytes.npos;
+// Of what metadata may say that alone is left.
+bool is_turned(const Bytes& bare) {
+  constexpr std::string_view kExif("Exif\0", 5);
+  const std::string_view bytes(reinterpret_cast<const char*>(bare.data()), bare.size());
+  return bytes.find(kExif) != bytes.npos;
 }
 
 }  // namespace
 
 Expected<Bytes> picture_to_share(const Bytes& stored) {
-  if ((image::is_jpeg(stored) || image::is_png(stored)) && !has_exif(stored)) return stored;
+  auto bare = image::without_metadata(stored);
+  if (bare && !image::is_webp(stored) && !is_turned(*bare)) return *std::move(bare);
   ROOMWISE_TRY(const image::ColorImage color, image::decode_color(stored));
   return image::encode_png(color);
 }

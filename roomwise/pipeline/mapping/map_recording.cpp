@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "roomwise/image/metadata.h"
 #include "roomwise/pipeline/mapping/culling.h"
 #include "roomwise/pipeline/mapping/home_floor.h"
 #include "roomwise/pipeline/mapping/home_localizer.h"
@@ -74,6 +75,12 @@ Expected<void> go_to_next_frame(recording::FrameSource& source, const home::Home
   return {};
 }
 
+// As they would be stored today: homes from before hold files with all that they said.
+home::KeyframeImages bare(const home::KeyframeImages& stored) {
+  return {image::without_metadata(stored.color).value_or(stored.color),
+          image::without_metadata(stored.depth).value_or(stored.depth)};
+}
+
 // A walk that the home holds already begins with the same key-frame: nothing is to be doubled.
 Expected<void> check_is_new(const home::Home& home, const image::RgbdFrame& first_keyframe,
                             const RunContext& run) {
@@ -85,7 +92,7 @@ Expected<void> check_is_new(const home::Home& home, const image::RgbdFrame& firs
     }
     const auto images = home.images(keyframe.id);
     if (!images) ROOMWISE_CHECK_OK(go_on_without(home, keyframe.id, images.error(), run.lost));
-    if (!images || !(*images == images_of(first_keyframe))) continue;
+    if (!images || !(bare(*images) == images_of(first_keyframe))) continue;
     ROOMWISE_TRY(const auto recordings, home.recordings());
     const auto known =
         std::ranges::find(recordings, keyframe.recording, &home::StoredRecording::id);
