@@ -762,6 +762,8 @@ class HandedIn : public LiveHomeTest {
     auto writer = recording::TumWriter::create(recorded, walk.info().camera).value();
     while (auto frame = walk.next().value()) EXPECT_OK(writer->write(*frame));
     EXPECT_OK(writer->close());
+    EXPECT_OK(write_file(recorded / "info.json",
+                         std::string_view(R"({"latitude":50.1,"deviceName":"Jane's","rooms":3})")));
     const auto path = folder / "walk.zip";
     int code = 0;
     zip_t* archive = zip_open(path.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code);
@@ -843,6 +845,7 @@ TEST_F(HandedIn, AnExportIsMappedThoughTheComputerStoppedMeanwhile) {
   ASSERT_THAT(home->view()->walks, SizeIs(1));
   EXPECT_EQ(home->view()->walks[0].stored.recording.name, "My flat");
   EXPECT_TRUE(std::filesystem::exists(folder / "flat.home.walks/My flat/rgb.txt"));
+  EXPECT_EQ(read_text_file(folder / "flat.home.walks/My flat/info.json").value(), R"({"rooms":3})");
   EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/.unpacking"));
   EXPECT_THAT(ask("GET", "/api/uploads").at("uploads"), IsEmpty());
   ASSERT_OK(home->forget_walk(1));

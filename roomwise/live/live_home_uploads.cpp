@@ -3,6 +3,7 @@
 
 #include "roomwise/live/live_home.h"
 #include "roomwise/recording/open_recording.h"
+#include "roomwise/recording/phone/personal_files.h"
 #include "roomwise/recording/phone/zip_unpack.h"
 
 // Recordings that somebody hands in as files.
@@ -161,6 +162,8 @@ Expected<TakenIn> LiveHome::take_in(const Upload& upload, const fs::path& unpack
   TakenIn inside = recording_in(unpacked, upload.name);
   if (inside.refused) return inside;
   const fs::path& found = inside.path;
+  // Where somebody lives, and with what they recorded it, is not kept.
+  if (fs::is_directory(found)) ROOMWISE_CHECK_OK(recording::leave_out_personal_facts(found));
   const fs::path path = unused_path(
       walks_folder(), name, fs::is_directory(found) ? std::string() : found.extension().string());
   ROOMWISE_CHECK_OK(move_to(found, path));

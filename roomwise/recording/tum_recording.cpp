@@ -4,9 +4,11 @@
 
 #include "roomwise/base/in_context.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/image/metadata.h"
 #include "roomwise/recording/camera_file.h"
 #include "roomwise/recording/data_lines.h"
 #include "roomwise/recording/odometry_file.h"
+#include "roomwise/recording/phone/personal_files.h"
 
 namespace roomwise::recording {
 namespace {
@@ -156,6 +158,8 @@ Expected<std::unique_ptr<TumRecording>> TumRecording::open(const std::filesystem
   contents.kind = "TUM folder";
   contents.info.name = recording_name(folder);
   contents.info.camera = camera;
+  contents.info.left_out =
+      personal_facts_of_some(colors.size(), [&](std::size_t i) { return colors.read(i); });
   contents.pictures = pictures_of(colors, associations);
   std::error_code ignored;
   if (std::filesystem::exists(folder / kOdometryFile, ignored)) {
@@ -177,7 +181,10 @@ Expected<image::ColorImage> TumRecording::read_picture(const RecordedPicture& pi
 }
 
 Expected<Bytes> TumRecording::read_picture_file(const RecordedPicture& picture) const {
-  return colors_.read(picture.index);
+  ROOMWISE_TRY(const Bytes bytes, colors_.read(picture.index));
+  if (auto bare = image::without_metadata(bytes)) return *std::move(bare);
+  ROOMWISE_TRY(const image::ColorImage color, read_picture(picture));
+  return image::encode_png(color);
 }
 
 Expected<image::RgbdFrame> TumRecording::read_frame(const RecordedPicture& picture) const {

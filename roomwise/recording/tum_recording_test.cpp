@@ -5,6 +5,7 @@
 
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/image/testing/exif_writer.h"
 
 namespace roomwise::recording {
 namespace {
@@ -75,6 +76,21 @@ TEST_F(TumFolder, GivesFramesWithTheirPlaceInTheListOfColour) {
   EXPECT_THAT(indices, ::testing::ElementsAre(0, 1, 3)) << "2 has no depth";
   EXPECT_EQ(source.info().frames_remaining, 0U);
   EXPECT_FALSE(source.next()->has_value()) << "stays at the end";
+}
+
+TEST_F(TumFolder, SaysThatAPictureTellsWhereItWasTakenAndGivesItsFileWithout) {
+  EXPECT_FALSE(open().value()->info().left_out.any());
+  const Bytes plain = image::encode_jpeg(image::ColorImage(kWidth, kHeight, {9, 9, 9}), 95);
+  write("rgb/3.png", image::testing::with_exif(plain, image::testing::exif_with_place(3)));
+  const auto recording = open();
+  ASSERT_OK(recording);
+  EXPECT_EQ((*recording)->info().left_out, (image::PersonalFacts{true, true, true}));
+  const auto frame = (*recording)->frame(3);
+  ASSERT_OK(frame);
+  const Bytes file = image::color_file(**frame);
+  EXPECT_EQ(image::testing::secrets_in(file), "");
+  EXPECT_EQ(image::decode_color(file).value(), (*frame)->color) << "turned as before";
+  EXPECT_EQ((*recording)->read_color_file(3).value(), file);
 }
 
 TEST_F(TumFolder, SkipsFramesByIndex) {

@@ -4,6 +4,7 @@
 
 #include "roomwise/base/file.h"
 #include "roomwise/base/in_context.h"
+#include "roomwise/recording/phone/personal_files.h"
 
 namespace roomwise::recording {
 
@@ -77,7 +78,9 @@ Expected<geometry::RigidTransform> pose_of_arkit(std::span<const double> rows) {
 Expected<FrameFacts> read_frame_facts(const std::filesystem::path& path,
                                       Expected<FrameFacts> (*facts_of)(const json&)) {
   ROOMWISE_TRY(const json object, read_json_file(path));
-  return in_context(path.string(), facts_of(object));
+  ROOMWISE_TRY(FrameFacts facts, in_context(path.string(), facts_of(object)));
+  facts.personal = personal_facts_of_json(object);
+  return facts;
 }
 
 Expected<TimestampNs> timestamp_of(double seconds) {

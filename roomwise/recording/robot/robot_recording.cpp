@@ -1,6 +1,7 @@
 #include "roomwise/recording/robot/robot_recording.h"
 
 #include <algorithm>
+#include <array>
 
 #include "roomwise/base/in_context.h"
 #include "roomwise/image/codec.h"
@@ -8,6 +9,7 @@
 #include "roomwise/recording/messages/mcap_file.h"
 #include "roomwise/recording/messages/ros1_bag.h"
 #include "roomwise/recording/phone/one_camera.h"
+#include "roomwise/recording/phone/personal_files.h"
 #include "roomwise/recording/robot/depth_registration.h"
 #include "roomwise/recording/robot/device_poses.h"
 #include "roomwise/recording/robot/streams.h"
@@ -167,6 +169,27 @@ Expected<StreamPair> with_notes(Expected<StreamPair> pair, const std::vector<std
   return fail("{}; {}", pair.error().message, fmt::join(notes, "; "));
 }
 
+bool tells_place(const Channel& channel) {
+  return std::ranges::any_of(
+      std::array{"NavSatFix", "GPSFix", "LocationFix", "GeoPoint"},
+      [&](const char* type) { return channel.type_name.find(type) != std::string::npos; });
+}
+
+image::PersonalFacts personal_facts_of(const MessageLog& log, const ImageStream& color,
+                                       const TimedMessages& colors) {
+  image::PersonalFacts facts;
+  if (color.is_compressed) {
+    facts = personal_facts_of_some(colors.messages.size(), [&](std::size_t i) -> Expected<Bytes> {
+      ROOMWISE_TRY(const Bytes bytes, log.read(*colors.messages[i]));
+      ROOMWISE_TRY(CompressedImageMessage one,
+                   decode_compressed_image(log.channels()[color.channel], bytes));
+      return std::move(one.data);
+    });
+  }
+  facts.place = facts.place || std::ranges::any_of(log.channels(), tells_place);
+  return facts;
+}
+
 Expected<std::unique_ptr<Recording>> open_log(std::string kind, MessageLog whole_log,
                                               const RecordingOptions& options) {
   const auto log = std::make_shared<const MessageLog>(std::move(whole_log));
@@ -199,6 +222,7 @@ Expected<std::unique_ptr<Recording>> open_log(std::string kind, MessageLog whole
     return fail("no image of {} has one of {} within {} s", pair.color.topic, pair.depth.topic,
                 static_cast<double>(options.tolerance_ns) * kSecondsPerNs);
   }
+  contents.info.left_out = personal_facts_of(*log, pair.color, colors);
   contents.poses_are_motion = are_odometry(tree, pair.color.frame);
   contents.device_poses = find_device_poses(*log, tree, pair.color.frame, colors.times);
   return std::unique_ptr<Recording>(new RobotRecording(std::move(contents), log, std::move(pair),

@@ -6,6 +6,7 @@
 
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/image/testing/exif_writer.h"
 #include "roomwise/recording/bytes/testing/quick_file.h"
 #include "roomwise/recording/robot/testing/robot_log.h"
 
@@ -209,6 +210,26 @@ TEST_F(RobotTest, CompressedImagesAreKeptAsTheyCame) {
   EXPECT_EQ((*frame)->encoded_color, jpeg);
   EXPECT_EQ((*frame)->encoded_depth, png);
   EXPECT_EQ((*frame)->depth.at(5, 5), 1234);
+}
+
+TEST_F(RobotTest, WhereItWasAndByWhomAPictureIsSaysSoAlone) {
+  EXPECT_FALSE(open(simple_robot()).value()->info().left_out.any());
+  RobotLog with_gps = simple_robot();
+  with_gps.add("/fix", "sensor_msgs/NavSatFix", kStart, Bytes(8));
+  EXPECT_EQ(open(with_gps).value()->info().left_out, (image::PersonalFacts{true, false, false}));
+  RobotLog log;
+  log.info("/camera/camera_info", "color");
+  const Bytes jpeg = image::testing::with_exif(
+      image::encode_jpeg(image::ColorImage(kWidth, kHeight, {90, 80, 70}), 90),
+      image::testing::exif_with_place(1));
+  log.add("/camera/rgb/compressed", "sensor_msgs/CompressedImage", kStart,
+          write_compressed_image(Encoding::kRos1,
+                                 {{kStart, "color"}, "rgb8; jpeg compressed bgr8", jpeg}));
+  log.depth("/camera/depth", kStart, "color");
+  const auto opened = open(log);
+  ASSERT_OK(opened);
+  EXPECT_EQ((*opened)->info().left_out, (image::PersonalFacts{true, true, true}));
+  EXPECT_EQ(image::testing::secrets_in(image::color_file(*(*opened)->frame(0).value())), "");
 }
 
 TEST_F(RobotTest, LargePicturesAreBroughtToWorkingSize) {

@@ -10,6 +10,7 @@
 #include "roomwise/recording/bytes/random_access_file.h"
 #include "roomwise/recording/bytes/unpack.h"
 #include "roomwise/recording/phone/one_camera.h"
+#include "roomwise/recording/phone/personal_files.h"
 #include "roomwise/recording/robot/working_camera.h"
 
 namespace roomwise::recording {
@@ -308,6 +309,9 @@ Expected<std::unique_ptr<Recording>> open_sens_recording(const std::filesystem::
                     head.frame_count));
   }
   give_times(frames, contents.notes);
+  contents.info.left_out = personal_facts_of_some(frames.size(), [&](std::size_t i) {
+    return file.read(frames[i].offset, frames[i].color_size);
+  });
   for (std::size_t i = 0; i < frames.size(); ++i) {
     contents.pictures.push_back({i, frames[i].timestamp_ns, true});
     const auto pose = pose_of(frames[i].world_from_camera);

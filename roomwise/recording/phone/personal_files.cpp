@@ -1,0 +1,137 @@
+#include "roomwise/recording/phone/personal_files.h"
+
+#include <algorithm>
+#include <cctype>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "roomwise/image/metadata.h"
+
+namespace roomwise::recording {
+namespace {
+
+namespace fs = std::filesystem;
+using image::PersonalFacts;
+
+constexpr std::uintmax_t kMaxJsonBytes = std::uintmax_t{1} << 27;
+constexpr int kMaxJsonDepth = 64;  // no app's files come near it
+
+// What a member of this name says: "deviceModel", "device_model" and "Device Model" are one.
+PersonalFacts facts_of_name(const std::string& name) {
+  std::string letters;
+  for (const unsigned char c : name) {
+    if (std::isalpha(c) != 0) letters += static_cast<char>(std::tolower(c));
+  }
+  const auto has = [&](std::initializer_list<const char*> parts) {
+    return std::ranges::any_of(
+        parts, [&](const char* part) { return letters.find(part) != std::string::npos; });
+  };
+  const auto is = [&](std::initializer_list<const char*> names) {
+    return std::ranges::find(names, letters) != names.end();
+  };
+  return {has({"latitude", "longitude", "altitude", "gps", "geolocation", "address"}) ||
+              is({"lat", "lon", "lng", "location", "city", "country"}),
+          has({"device", "serialnumber", "hostname"}) || is({"make", "model", "phone", "udid"}),
+          has({"owner", "author", "username", "email", "artist", "creator"}) || is({"user"})};
+}
+
+bool says_something(const nlohmann::json& value) {
+  if (value.is_number()) return value.get<double>() != 0;
+  if (value.is_boolean()) return value.get<bool>();
+  if (value.is_string()) return !value.get_ref<const std::string&>().empty();
+  return !value.empty();
+}
+
+PersonalFacts facts_down_to(const nlohmann::json& value, int depth) {
+  PersonalFacts facts;
+  if (!value.is_structured() || depth == 0) return facts;
+  for (const auto& [name, below] : value.items()) {
+    if (value.is_object() && says_something(below)) facts |= facts_of_name(name);
+    facts |= facts_down_to(below, depth - 1);
+  }
+  return facts;
+}
+
+// Whether there were any. The order of the others stays.
+bool take_out(nlohmann::ordered_json& value) {
+  bool is_changed = false;
+  if (value.is_object()) {
+    for (auto member = value.begin(); member != value.end();) {
+      const bool is_personal = facts_of_name(member.key()).any();
+      member = is_personal ? value.erase(member) : std::next(member);
+      is_changed = is_changed || is_personal;
+    }
+  }
+  if (!value.is_structured()) return is_changed;
+  for (auto& below : value) is_changed = take_out(below) || is_changed;
+  return is_changed;
+}
+
+Expected<void> take_out_of_json(const fs::path& path) {
+  std::error_code error;
+  if (fs::file_size(path, error) > kMaxJsonBytes) return write_file(path, std::string_view());
+  ROOMWISE_TRY(const std::string text, read_text_file(path));
+  bool is_too_deep = false;
+  auto parsed = nlohmann::ordered_json::parse(
+      text,
+      [&](int depth, auto, auto&) {
+        is_too_deep = is_too_deep || depth > kMaxJsonDepth;
+        return !is_too_deep;
+      },
+      /*allow_exceptions=*/false);
+  if (is_too_deep || parsed.is_discarded()) return write_file(path, std::string_view());
+  return take_out(parsed) ? write_file(path, parsed.dump()) : Expected<void>();
+}
+
+Expected<void> take_out_of_picture(const fs::path& path) {
+  ROOMWISE_TRY(const Bytes bytes, read_file(path));
+  const auto bare = image::without_metadata(bytes);
+  return bare && *bare != bytes ? write_file(path, *bare) : Expected<void>();
+}
+
+}  // namespace
+
+PersonalFacts personal_facts_of_some(std::size_t pictures,
+                                     const std::function<Expected<Bytes>(std::size_t)>& read) {
+  PersonalFacts facts;
+  if (pictures == 0) return facts;
+  for (const std::size_t one : std::set{std::size_t{0}, pictures / 2, pictures - 1}) {
+    if (const auto bytes = read(one)) facts |= image::personal_facts_of(*bytes);
+  }
+  return facts;
+}
+
+PersonalFacts personal_facts_of_json(const nlohmann::json& value) {
+  return facts_down_to(value, kMaxJsonDepth);
+}
+
+PersonalFacts personal_facts_of_json_file(const fs::path& path) {
+  std::error_code error;
+  const auto size = fs::file_size(path, error);
+  if (error || size > kMaxJsonBytes) return {};
+  const auto text = read_text_file(path);
+  const auto parsed = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+  return parsed.is_discarded() ? PersonalFacts() : personal_facts_of_json(parsed);
+}
+
+Expected<void> leave_out_personal_facts(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  fs::recursive_directory_iterator entry(folder, error);
+  for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+    if (entry->is_regular_file()) files.push_back(entry->path());
+  }
+  if (error) return fail("{}: cannot be read: {}", folder.string(), error.message());
+  for (const fs::path& file : files) {
+    const std::string ending = file.extension().string();
+    const bool is_picture = ending == ".jpg" || ending == ".jpeg" || ending == ".png" ||
+                            ending == ".webp" || ending == ".JPG" || ending == ".JPEG";
+    if (ending == ".json") ROOMWISE_CHECK_OK(take_out_of_json(file));
+    if (is_picture) ROOMWISE_CHECK_OK(take_out_of_picture(file));
+  }
+  return {};
+}
+
+}  // namespace roomwise::recording
