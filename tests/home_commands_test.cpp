@@ -177,6 +177,37 @@ TEST_F(HomeCommandsTest, MapWritesTheTrajectoryThatExportWrites) {
   EXPECT_EQ(digest(path("again.home")), digest(path("my.home"))) << "at another number of threads";
 }
 
+TEST_F(HomeCommandsTest, WhereSomebodyLivesIsNobodysBusiness) {
+  EXPECT_OK(testing::write_made_up_recording(path("told"), kFrames));
+  const std::string picture = path("told/rgb/") + first_file("told/rgb");
+  // As a phone that was held upside down stores it.
+  const image::ColorImage stored = image::apply_orientation(image::read_color(picture).value(), 3);
+  const Bytes jpeg =
+      image::testing::with_exif(image::encode_jpeg(stored, 95), image::testing::exif_with_place(3));
+  EXPECT_OK(write_file(picture, jpeg));
+  const std::vector<std::string> map{"map", path("told"), "--no-networks", "--home",
+                                     path("told.home")};
+  const json all{"place", "device", "owner"};
+  const json mapped = result_of(map);
+  EXPECT_EQ(mapped.at("placed"), kFrames);
+  EXPECT_EQ(mapped.at("left_out"), all);
+  EXPECT_EQ(mapped_.at("left_out"), json::array());
+  EXPECT_EQ(image::testing::secrets_in(read_file(path("told.home")).value()), "");
+  EXPECT_EQ(image::testing::secrets_in(jpeg), "device owner place ") << "they were there";
+  const home::Home home = home::Home::open_read_only(path("told.home")).value();
+  EXPECT_EQ(image::decode_color(home.images(0)->color).value(), image::decode_color(jpeg).value());
+  EXPECT_EQ(result_of({"info", path("told")}).at("left_out"), all);
+  EXPECT_EQ(result_of({"record", "--source", path("told"), "-o", path("copy")}).at("left_out"),
+            all);
+  EXPECT_EQ(
+      image::testing::secrets_in(read_file(path("copy/rgb/") + first_file("copy/rgb")).value()),
+      "");
+  EXPECT_FALSE(result_of({"info", path("copy")}).contains("left_out"));
+  const ProgramResult told = run_roomwise({"info", path("told")});
+  EXPECT_THAT(told.output,
+              HasSubstr("where it was recorded (GPS), the device's name, whose it is"));
+}
+
 TEST_F(HomeCommandsTest, OneDamagedPictureDoesNotCostTheMap) {
   EXPECT_OK(testing::write_made_up_recording(path("damaged"), kFrames));
   const std::string picture = path("damaged/rgb/") + first_file("damaged/rgb");
@@ -190,6 +221,10 @@ TEST_F(HomeCommandsTest, OneDamagedPictureDoesNotCostTheMap) {
   map.emplace_back("--skip-damaged");
   const json mapped = result_of(map);
   EXPECT_EQ(mapped.at("placed"), kFrames - 1);
+  const json copied =
+      result_of({"record", "--source", path("damaged"), "-o", path("whole"), "--skip-damaged"});
+  EXPECT_EQ(copied.at("frames"), kFrames - 1);
+  EXPECT_THAT(copied.at("damaged").at(0).get<std::string>(), HasSubstr(picture));
   EXPECT_THAT(mapped.at("damaged").at(0).get<std::string>(), HasSubstr(picture));
 }
 

@@ -3,6 +3,7 @@
 #include <type_traits>
 
 #include "commands.h"
+#include "left_out.h"
 #include "open_home.h"
 #include "roomwise/home/home.h"
 #include "roomwise/image/codec.h"
@@ -14,6 +15,7 @@
 #include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/recording/association.h"
 #include "roomwise/recording/open_recording.h"
+#include "roomwise/recording/phone/personal_files.h"
 #include "roomwise/recording/room_labels.h"
 #include "roomwise/recording/tum_recording.h"
 
@@ -149,6 +151,21 @@ Expected<void> add_rooms_and_truth(const fs::path& folder, Facts& facts) {
   return {};
 }
 
+// What is there and never given on.
+void add_left_out(const image::PersonalFacts& left_out, Facts& facts) {
+  if (left_out.any()) facts.add("left out", left_out_text(left_out), left_out_json(left_out));
+}
+
+// The frames that only --skip-damaged goes on without.
+void add_damage(const recording::Recording& recording, Facts& facts) {
+  if (recording.damaged().empty()) return;
+  Json all = Json::array();
+  for (const recording::DamagedFrame& one : recording.damaged()) all.push_back(one.why);
+  facts.add("damaged frames",
+            fmt::format("{}; the first: {}", all.size(), recording.damaged().front().why),
+            std::move(all));
+}
+
 // A TUM folder whose camera nobody says can be looked at all the same.
 Expected<Answer> describe_without_camera(const fs::path& folder) {
   ROOMWISE_TRY(const auto colors, recording::ImageList::open(folder, "rgb.txt"));
@@ -161,6 +178,9 @@ Expected<Answer> describe_without_camera(const fs::path& folder) {
   facts.add("frames", frames.size());
   facts.add("seconds", seconds_of(colors.timestamps_ns().back() - colors.timestamps_ns().front()));
   facts.add("camera", "not given (no camera.txt; use --camera)");
+  add_left_out(recording::personal_facts_of_some(colors.size(),
+                                                 [&](std::size_t i) { return colors.read(i); }),
+               facts);
   ROOMWISE_CHECK_OK(add_rooms_and_truth(folder, facts));
   return std::move(facts).answer();
 }
@@ -183,6 +203,8 @@ Expected<Answer> describe_recording(const fs::path& path) {
   if (!recording->notes().empty()) {
     facts.add("notes", fmt::format("{}", fmt::join(recording->notes(), "; ")));
   }
+  add_damage(*recording, facts);
+  add_left_out(recording->info().left_out, facts);
   ROOMWISE_CHECK_OK(add_rooms_and_truth(path, facts));
   return std::move(facts).answer();
 }

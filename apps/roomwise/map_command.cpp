@@ -7,6 +7,7 @@
 #include "command_run.h"
 #include "commands.h"
 #include "history_words.h"
+#include "left_out.h"
 #include "networks.h"
 #include "open_home.h"
 #include "paths.h"
@@ -19,6 +20,7 @@
 #include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/recording/damage_tolerant_source.h"
 #include "roomwise/recording/open_recording.h"
+#include "skip_damaged.h"
 
 namespace roomwise::app {
 namespace {
@@ -175,14 +177,6 @@ Expected<void> add_changes(const home::Home& home, Answer& answer) {
   return {};
 }
 
-// Of what --skip-damaged left out.
-std::string damage_text(const std::vector<std::string>& damage, std::string_view of_what) {
-  if (damage.empty()) return "";
-  std::string text = fmt::format("left out    {} {}:\n", damage.size(), of_what);
-  for (const std::string& one : damage) text += fmt::format("  {}\n", one);
-  return text;
-}
-
 // The first picture from frame i on that can be read; the error of frame i where none can.
 Expected<image::ColorImage> first_color_from(const recording::Recording& recording, std::size_t i) {
   auto picture = recording.read_color(recording.frames()[i]);
@@ -233,7 +227,11 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
                                   source->info().camera, source->info().frames_remaining};
   recording::DamageTolerantSource frames(*source, options.skip_damaged);
   auto mapped = pipeline::map_recording(frames, recording, home, networks, settings, run, finders);
-  if (!mapped) return Unexpected(std::move(mapped).error());
+  if (!mapped) {
+    Error why = std::move(mapped).error();
+    if (frames.is_stopped() || run.lost->is_stopped()) why.message += kNamingSkipDamaged;
+    return Unexpected(std::move(why));
+  }
   const pipeline::MapSummary& summary = *mapped;
   for (const std::string& why : summary.unread) context.progress.note("not compared: " + why);
   if (!summary.finished) {
@@ -262,7 +260,9 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   for (const auto& network : networks) names.push_back(network->name());
   std::vector<std::string> lost;
   for (const auto& [id, why] : run.lost->all()) lost.push_back(why);
+  const image::PersonalFacts& left_out = source->info().left_out;
   answer.text = to_text(summary, names) +
+                (left_out.any() ? "left out    " + left_out_text(left_out) + "\n" : "") +
                 damage_text(frames.damage(), "frames that cannot be read") +
                 damage_text(lost, "pictures of the map that cannot be read again");
   if (!taught.empty() && look.is_looked_for) {
@@ -294,6 +294,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
                  {"readout_s", readout_json(summary.readout_s)},
                  {"objects", summary.objects},
                  {"instances", summary.instances},
+                 {"left_out", left_out_json(left_out)},
                  {"home", options.home.string()}};
   ROOMWISE_CHECK_OK(add_changes(home, answer));
   if (options.skip_damaged) {
@@ -335,7 +336,7 @@ void add_map_command(CLI::App& app, Context& context) {
   const auto settings = std::make_shared<std::vector<const CLI::Option*>>();
   settings->push_back(command->get_option("--seed"));
   add_camera_option(*command, options.camera, "the recording's own");
-  command->add_flag("--skip-damaged", options.skip_damaged,
+  command->add_flag(kSkipDamaged, options.skip_damaged,
                     "Leave out frames that cannot be read, and pictures of earlier walks, and name "
                     "them; without it the first such ends the work");
   const auto how = [resume, settings](CLI::Option* option) {

@@ -6,11 +6,14 @@
 
 #include "camera_option.h"
 #include "commands.h"
+#include "left_out.h"
 #include "live_camera.h"
 #include "roomwise/base/calendar_time.h"
+#include "roomwise/recording/damage_tolerant_source.h"
 #include "roomwise/recording/open_recording.h"
 #include "roomwise/recording/room_labels.h"
 #include "roomwise/recording/tum_writer.h"
+#include "skip_damaged.h"
 
 namespace roomwise::app {
 namespace {
@@ -25,9 +28,11 @@ struct RecordOptions {
   std::string room;
   std::optional<std::uint64_t> frames;
   std::optional<double> seconds;
+  bool skip_damaged = false;
 };
 
-Expected<std::unique_ptr<recording::FrameSource>> open_source(const RecordOptions& options) {
+Expected<std::unique_ptr<recording::FrameSource>> open_source(const RecordOptions& options,
+                                                              Progress& progress) {
   if (is_live_camera(options.source)) {
     return open_live_camera({options.source, options.camera, options.calibration});
   }
@@ -35,7 +40,12 @@ Expected<std::unique_ptr<recording::FrameSource>> open_source(const RecordOption
     return fail("--calibration is for v4l2; a recording says itself, or by --camera");
   }
   ROOMWISE_TRY(const auto camera, given_camera(options.camera));
-  return recording::open_recording(options.source, {.camera = camera});
+  ROOMWISE_TRY(auto source, recording::open_recording(options.source, {.camera = camera}));
+  for (const std::string& note : source->notes()) progress.note(note);
+  if (!options.skip_damaged && !source->damaged().empty()) {  // before a folder is made
+    return fail("{}{}", source->damaged().front().why, kNamingSkipDamaged);
+  }
+  return std::unique_ptr<recording::FrameSource>(std::move(source));
 }
 
 // The lines that the user types while the recording runs, without waiting for them.
@@ -150,24 +160,35 @@ Expected<void> copy_ground_truth(const RecordOptions& options) {
 }
 
 Expected<Answer> run(const RecordOptions& options, Context& context) {
-  ROOMWISE_TRY(const std::unique_ptr<recording::FrameSource> source, open_source(options));
+  ROOMWISE_TRY(const std::unique_ptr<recording::FrameSource> source,
+               open_source(options, context.progress));
   warn_of_camera(source->info().camera, context);
   ROOMWISE_TRY(const std::unique_ptr<recording::TumWriter> writer,
                recording::TumWriter::create(options.output, source->info().camera));
   context.progress.begin("recording", expected_frames(options, source->info().frames_remaining));
   // What was recorded until an error is kept: the writer is closed in any case.
-  const Expected<void> copied = copy_frames(*source, *writer, options, context.progress);
+  const bool is_live = is_live_camera(options.source);
+  recording::DamageTolerantSource frames(*source, options.skip_damaged && !is_live);
+  Expected<void> copied = copy_frames(frames, *writer, options, context.progress);
+  if (!copied && frames.is_stopped() && !is_live) {
+    copied.error().message += kNamingSkipDamaged;
+  }
   context.progress.end();
   ROOMWISE_CHECK_OK(writer->close());
   ROOMWISE_CHECK_OK(copied);
   ROOMWISE_CHECK_OK(copy_ground_truth(options));
 
   const std::uint64_t lost = source->info().lost_frames;
-  return Answer{fmt::format("recorded {} frames from {} to {}{}\n", writer->frames_written(),
+  const image::PersonalFacts& left_out = source->info().left_out;
+  return Answer{fmt::format("recorded {} frames from {} to {}{}\n{}", writer->frames_written(),
                             source->info().name, options.output.string(),
-                            lost == 0 ? "" : fmt::format("; {} more were lost on the way", lost)),
+                            lost == 0 ? "" : fmt::format("; {} more were lost on the way", lost),
+                            left_out.any() ? "left out: " + left_out_text(left_out) + "\n" : "") +
+                    damage_text(frames.damage(), "frames that cannot be read"),
                 {{"frames", writer->frames_written()},
                  {"lost_frames", lost},
+                 {"left_out", left_out_json(left_out)},
+                 {"damaged", frames.damage()},
                  {"source", source->info().name},
                  {"output", options.output.string()}}};
 }
@@ -189,6 +210,10 @@ void add_record_command(CLI::App& app, Context& context) {
   command->add_option("--room", options.room, "The room that the recording starts in");
   add_camera_option(*command, options.camera, "as the source says");
   add_calibration_option(*command, options.calibration);
+  command->add_flag(
+      kSkipDamaged, options.skip_damaged,
+      "Leave out frames of a recording that cannot be read, and name them; without it "
+      "the first such ends the copy");
   command->add_option("--frames", options.frames, "Stop after this many frames")
       ->check(not_negative());
   command->add_option("--seconds", options.seconds, "Stop after this many seconds of the recording")

@@ -8,6 +8,7 @@
 #include "open_home.h"
 #include "pose_json.h"
 #include "roomwise/pipeline/visits/update_home.h"
+#include "skip_damaged.h"
 
 namespace roomwise::app {
 namespace {
@@ -210,6 +211,8 @@ Answer describe(const pipeline::HomeUpdate& update, const TaughtThings& taught,
     answer.json["unnamed"].push_back(to_json(change));
     answer.text += row_of(change);
   }
+  answer.json["damaged"] = update.damage;
+  answer.text += damage_text(update.damage, "frames that cannot be read");
   answer.text +=
       fmt::format("{} things are where they were, {} were not looked at\n", there, not_looked_at);
   if (update.rooms) answer.text += rows_of(*update.rooms, options.dry_run);
@@ -282,6 +285,10 @@ void add_update_command(CLI::App& app, Context& context) {
   command->add_flag("--without-rooms", options.without_rooms,
                     "Leave the learned rooms as they are; without this, pictures of the walk that "
                     "clearly show a room are learned too");
+  command->add_flag(
+      kSkipDamaged, options.update.visit.skip_damaged,
+      "Leave out frames that cannot be read, and name them; without it the first such "
+      "ends the work");
   add_network_options(*command, options.networks);
   add_setting(*command, "--every", options.update.visit.every, "Look at every K-th picture",
               CLI::Range(std::uint64_t{1}, std::uint64_t{1000}));

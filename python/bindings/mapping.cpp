@@ -66,9 +66,12 @@ Expected<MapReport> map_into(home::Home& home, recording::Recording& source,
   const home::Recording recording{source.info().name, request.recording.string(),
                                   source.info().camera, source.info().frames_remaining};
   recording::DamageTolerantSource frames(source, request.skip_damaged);
-  ROOMWISE_TRY(MapSummary summary,
-               pipeline::map_recording(frames, recording, home, networks,
-                                       stored.value_or(request.settings), run, finders));
+  auto mapped = pipeline::map_recording(frames, recording, home, networks,
+                                        stored.value_or(request.settings), run, finders);
+  if (!mapped && (frames.is_stopped() || run.lost->is_stopped())) {
+    mapped.error().message += "; give skip_damaged=True to go on without it";
+  }
+  ROOMWISE_TRY(MapSummary summary, std::move(mapped));
   if (!summary.finished) {
     return fail_with(ErrorCode::kInterrupted,
                      "interrupted after {} frames, {} key-frames; go on with resume=True",

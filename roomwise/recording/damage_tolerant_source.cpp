@@ -15,7 +15,8 @@ Expected<std::optional<image::RgbdFrame>> DamageTolerantSource::next() {
       return frame;
     }
     if (!skip_damaged_) {
-      return fail("{}; or give --skip-damaged to go on without it", frame.error().message);
+      is_stopped_ = true;
+      return frame;
     }
     damage_.push_back(frame.error().message);
   }

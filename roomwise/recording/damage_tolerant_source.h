@@ -23,12 +23,15 @@ class DamageTolerantSource final : public FrameSource {
 
   // The errors of the frames that were left out so far, each naming its file.
   [[nodiscard]] const std::vector<std::string>& damage() const { return damage_; }
+  // Whether it failed at a frame that could be left out: who asked may be told how.
+  [[nodiscard]] bool is_stopped() const { return is_stopped_; }
 
  private:
   FrameSource& source_;
   bool skip_damaged_;
   std::vector<std::string> damage_;
   bool gave_any_ = false;
+  bool is_stopped_ = false;
 };
 
 }  // namespace roomwise::recording

@@ -48,7 +48,9 @@ TEST_F(DamagedRecording, EndsAtTheFirstSuchFrameWhereNoneIsToBeLeftOut) {
   const auto recording = open_recording(folder_.path()).value();
   DamageTolerantSource frames(*recording, false);
   EXPECT_OK(frames.next());
-  EXPECT_ERROR(frames.next(), "or give --skip-damaged");
+  EXPECT_FALSE(frames.is_stopped());
+  EXPECT_ERROR(frames.next(), "1.png");
+  EXPECT_TRUE(frames.is_stopped()) << "so that who asks is told how to go on";
 }
 
 TEST_F(DamagedRecording, IsNoneWhereNothingCanBeRead) {

@@ -46,6 +46,7 @@ const RecordedPicture* Recording::find(std::uint64_t index) const {
 }
 
 Expected<std::optional<image::RgbdFrame>> Recording::next() {
+  if (damage_told_ < damaged().size()) return fail("{}", damaged()[damage_told_++].why);
   if (position_ == frames_.size()) return std::optional<image::RgbdFrame>();
   const std::uint64_t index = frames_[position_++];
   count_what_is_left();
@@ -54,6 +55,7 @@ Expected<std::optional<image::RgbdFrame>> Recording::next() {
 
 void Recording::skip_before(std::uint64_t index) {
   while (position_ < frames_.size() && frames_[position_] < index) ++position_;
+  while (damage_told_ < damaged().size() && damaged()[damage_told_].index < index) ++damage_told_;
   count_what_is_left();
 }
 
@@ -108,6 +110,12 @@ geometry::PinholeCamera Recording::original_camera(const RecordedPicture& /*pict
 
 std::string Recording::describe(const RecordedPicture& picture) const {
   return fmt::format("{}: picture {}", info().name, picture.index);
+}
+
+Unexpected no_whole_frame(std::string_view name, const std::vector<DamagedFrame>& damaged) {
+  if (damaged.empty()) return fail("{}: holds no picture of which all is there", name);
+  return fail("{}: none of its {} frames can be read; the first: {}", name, damaged.size(),
+              damaged.front().why);
 }
 
 std::string recording_name(const std::filesystem::path& path) {

@@ -17,6 +17,12 @@ struct RecordedPicture {
   bool has_depth = false;  // with depth it is a frame
 };
 
+// A frame of which something besides its picture is missing or damaged: a file beside it, its line.
+struct DamagedFrame {
+  std::uint64_t index = 0;
+  std::string why;  // names the file
+};
+
 struct RecordingOptions {
   // Replaces what the recording says of its camera; a kind whose camera cannot be another refuses
   // it.
@@ -33,6 +39,7 @@ struct RecordingContents {
   std::string kind;                       // for people: "TUM folder"
   SourceInfo info;                        // frames_remaining is counted from `pictures`
   std::vector<RecordedPicture> pictures;  // index and time both strictly increasing
+  std::vector<DamagedFrame> damaged;      // not among `pictures`
   // Where the device says that it was: camera to world, x right, y down, z forward in the camera,
   // the world as the device had it. Empty where it wrote none.
   Trajectory device_poses;
@@ -41,7 +48,8 @@ struct RecordingContents {
   bool poses_are_motion = false;
   // The direction up in the device's world, unit length, where that is level.
   std::optional<Eigen::Vector3d> device_up = std::nullopt;
-  // For people: what was chosen among several, what was found wrong and passed over.
+  // For people: what was chosen among several, what was found wrong and passed over, what an end
+  // that was cut off lacks.
   std::vector<std::string> notes;
 };
 
@@ -55,6 +63,7 @@ class Recording : public FrameSource {
   [[nodiscard]] const std::vector<RecordedPicture>& pictures() const { return contents_.pictures; }
   // The indices of those with depth.
   [[nodiscard]] const std::vector<std::uint64_t>& frames() const { return frames_; }
+  [[nodiscard]] const std::vector<DamagedFrame>& damaged() const { return contents_.damaged; }
   [[nodiscard]] const Trajectory& device_poses() const { return contents_.device_poses; }
   // Whether frames carry device_poses() as their device_motion.
   [[nodiscard]] bool has_device_motion() const {
@@ -65,6 +74,7 @@ class Recording : public FrameSource {
   // Null where there is no such colour image.
   [[nodiscard]] const RecordedPicture* find(std::uint64_t index) const;
 
+  // First fails for each of damaged(), so that nobody works for long before it is known.
   [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() final;
   void skip_before(std::uint64_t index) final;
   // The frame of a colour image, whatever next() has given; nothing where there is none. Fails as
@@ -101,8 +111,13 @@ class Recording : public FrameSource {
 
   RecordingContents contents_;
   std::vector<std::uint64_t> frames_;
-  std::size_t position_ = 0;  // in frames_
+  std::size_t position_ = 0;     // in frames_
+  std::size_t damage_told_ = 0;  // of contents_.damaged
 };
+
+// The error of a recording that holds no whole frame: it names the first that is damaged.
+[[nodiscard]] Unexpected no_whole_frame(std::string_view name,
+                                        const std::vector<DamagedFrame>& damaged);
 
 // What is common to opening a folder: its own name, also of "." and "recordings/home/"; of a file,
 // its name.

@@ -48,6 +48,8 @@ Expected<void> check_not_empty(const std::vector<LabelledPicture>& pictures) {
 Expected<RecordedPictures> RecordedPictures::open(const fs::path& path) {
   if (lists_colors_alone(path)) return open_colors(path);
   ROOMWISE_TRY(auto opened, recording::open_recording(path));
+  // A picture that is not there would pass for one that nobody asked for.
+  if (!opened->damaged().empty()) return fail("{}", opened->damaged().front().why);
   RecordedPictures recorded;
   recorded.with_depth = std::move(opened);
   recorded.pictures = recorded.with_depth->pictures();

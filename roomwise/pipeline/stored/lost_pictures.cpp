@@ -9,8 +9,8 @@ namespace roomwise::pipeline {
 
 Expected<void> LostPictures::note(home::KeyframeId id, const Error& why) {
   if (!leave_out_) {
-    return fail_with(why.code, "{}; or go on without this picture (--skip-damaged)",
-                     why.message);
+    is_stopped_ = true;
+    return Unexpected(why);
   }
   const bool is_new = [&] {
     const std::scoped_lock lock(mutex_);

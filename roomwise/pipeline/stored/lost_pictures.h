@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <map>
 #include <memory>
@@ -22,14 +23,16 @@ class LostPictures {
       bool leave_out, std::function<void(const Error&)> tell = [](const Error&) {})
       : leave_out_(leave_out), tell_(std::move(tell)) {}
 
-  // Notes the key-frame, once. Fails with `why`, in words that name the mend, where it is not to be
-  // left out.
+  // Notes the key-frame, once. Fails with `why` where it is not to be left out.
   [[nodiscard]] Expected<void> note(home::KeyframeId id, const Error& why);
   // By key-frame, why, naming the home and the key-frame.
   [[nodiscard]] std::map<home::KeyframeId, std::string> all() const;
+  // Whether it failed: who asked may be told how to go on without the picture.
+  [[nodiscard]] bool is_stopped() const { return is_stopped_; }
 
  private:
   bool leave_out_;
+  std::atomic<bool> is_stopped_ = false;
   std::function<void(const Error&)> tell_;
   mutable std::mutex mutex_;
   std::map<home::KeyframeId, std::string> lost_;

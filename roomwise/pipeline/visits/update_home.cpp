@@ -63,6 +63,7 @@ class VisitComparison {
     update.changes.visit = frames.visit;
     update.rooms = frames.rooms;
     update.own_things = frames.own_things;
+    update.damage = frames.damage;
     if (frames.rooms) update.changes.pictures = frames.rooms->pictures;
     report_known(changes, frames, update);
     for (const objects::AddedInstance& arrival : changes.arrived) {

@@ -62,6 +62,7 @@ struct HomeUpdate {
   std::optional<RoomUpdate> rooms;     // where they were to be refreshed
   OwnThingSightings own_things;        // where things that people taught were seen last
   home::HomeChanges changes;           // what Home::apply_changes() takes
+  std::vector<std::string> damage;     // of the visit's frames that were left out, why
 };
 
 // Compares a home's map with a later walk through the same home: frames are placed on the map and

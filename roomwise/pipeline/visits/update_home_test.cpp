@@ -264,6 +264,20 @@ TEST_F(UpdateHomeByCloserLooks, OneThatFailsIsAnError) {
   EXPECT_ERROR(visit(kElsewhere), "sees nothing");
 }
 
+TEST_F(UpdateHome, GoesOnWithoutAPictureThatCannotBeReadWhereItIsToldTo) {
+  const auto folder = folder_ / "damaged";
+  ASSERT_OK(write_walk(folder, kFrames, kStep_rad, kBox));
+  const auto picture = std::filesystem::directory_iterator(folder / "rgb")->path();
+  ASSERT_OK(write_file(picture, std::string_view("no picture")));
+  UpdateOptions options;
+  EXPECT_ERROR(compare_with_visit(*home_, folder, finders_, {}, options, run_), picture.string());
+  options.visit.skip_damaged = true;
+  const auto update = compare_with_visit(*home_, folder, finders_, {}, options, run_);
+  ASSERT_OK(update);
+  EXPECT_THAT(update->damage, ::testing::ElementsAre(::testing::HasSubstr(picture.string())));
+  EXPECT_EQ(update->changes.visit.frames, std::uint64_t{kFrames - 1});
+}
+
 TEST_F(UpdateHome, SaysWhatIsMissing) {
   EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_, {}, {}, run_), "nowhere");
   EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", {}, {}, {}, run_), "no detector");

@@ -13,6 +13,7 @@
 #include "roomwise/pipeline/objects/keyframe_observer.h"
 #include "roomwise/pipeline/objects/proposal_observations.h"
 #include "roomwise/pipeline/objects/stored_detections.h"
+#include "roomwise/recording/damage_tolerant_source.h"
 #include "roomwise/recording/open_recording.h"
 
 namespace roomwise::pipeline {
@@ -103,8 +104,9 @@ Expected<std::optional<RoomUpdate>> VisitLooker::update_rooms(
 // All frames of the recording that are found on the map.
 Expected<VisitFrames> place_frames(recording::Recording& recording,
                                    const std::filesystem::path& folder, const VisitLooker& looker,
-                                   std::uint64_t every, RunContext& run) {
+                                   const VisitOptions& options, RunContext& run) {
   VisitFrames frames;
+  recording::DamageTolerantSource source(recording, options.skip_damaged);
   frames.visit.name = recording.info().name;
   frames.visit.folder = folder.string();
   std::vector<image::RgbdFrame> block;
@@ -127,9 +129,9 @@ Expected<VisitFrames> place_frames(recording::Recording& recording,
   };
   run.progress.begin("looking at the visit", recording.frames().size());
   for (std::uint64_t count = 0; !run.progress.interrupted(); ++count) {
-    ROOMWISE_TRY(auto frame, recording.next());
+    ROOMWISE_TRY(auto frame, source.next());
     if (!frame) break;
-    if (count % every != 0) continue;
+    if (count % options.every != 0) continue;
     if (frames.visit.frames++ == 0) frames.visit.first_timestamp_ns = frame->timestamp_ns;
     frames.visit.last_timestamp_ns = frame->timestamp_ns;
     block.push_back(*std::move(frame));
@@ -140,6 +142,7 @@ Expected<VisitFrames> place_frames(recording::Recording& recording,
   run.progress.end();
   ROOMWISE_CHECK_OK(run.progress.check("looking at the visit"));
   frames.visit.placed = frames.placed.size();
+  frames.damage = source.damage();
   return frames;
 }
 
@@ -237,7 +240,7 @@ Expected<VisitFrames> observe_visit(const home::Home& home, const std::filesyste
   ROOMWISE_TRY(const auto recording, recording::open_recording(folder));
   ROOMWISE_TRY(const VisitLooker looker,
                VisitLooker::create(home, finders.in_pictures, networks, options, run));
-  ROOMWISE_TRY(VisitFrames frames, place_frames(*recording, folder, looker, options.every, run));
+  ROOMWISE_TRY(VisitFrames frames, place_frames(*recording, folder, looker, options, run));
   ROOMWISE_TRY(frames.rooms, looker.update_rooms(home, frames.placed));
   if (finders.of_proposals != nullptr) {
     ROOMWISE_CHECK_OK(look_closer_at_visit(frames, *recording, *finders.of_proposals,

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "roomwise/home/home.h"
@@ -16,7 +17,8 @@
 namespace roomwise::pipeline {
 
 struct VisitOptions {
-  std::uint64_t every = 1;  // of the visit's frames
+  std::uint64_t every = 1;    // of the visit's frames
+  bool skip_damaged = false;  // frames that cannot be read are left out, else the first is an error
   mapping::LocalizerOptions localizer;
   // How the learned rooms are refreshed; absent: they stay as they are.
   std::optional<rooms::VisitLearningOptions> rooms = rooms::VisitLearningOptions{};
@@ -43,6 +45,7 @@ struct VisitFrames {
   std::vector<objects::ObservedKeyframe> observed;
   std::optional<RoomUpdate> rooms;  // where they were to be refreshed
   OwnThingSightings own_things;     // where things that people taught were seen last
+  std::vector<std::string> damage;  // of the frames that were left out, why
 };
 
 // Places the frames of a recording on the home's map, one by one, and lets the finders (one at

@@ -79,10 +79,15 @@ Expected<StampedPose> parse_traj_line(const DataLine& line) {
   return pose;
 }
 
-Expected<Trajectory> read_traj(const fs::path& file) {
+Expected<Trajectory> read_traj(const fs::path& file, std::vector<std::string>& notes) {
   ROOMWISE_TRY(const std::string text, read_text_file(file));
   Trajectory trajectory;
   for (const DataLine& line : data_lines(text)) {
+    if (!line.complete) {  // and so may be its last number
+      notes.push_back(fmt::format("{}:{}: the file ends within this line; it is left out",
+                                  file.string(), line.number));
+      break;
+    }
     auto pose = parse_traj_line(line);
     const std::string place = fmt::format("{}:{}", file.string(), line.number);
     if (!pose) return Unexpected(std::move(pose).error().in(place));
@@ -129,15 +134,18 @@ Expected<std::unique_ptr<Recording>> open_arkitscenes_folder(const fs::path& fol
   listing.poses_are_motion = true;  // ARKit's
   for (const auto& [time, color] : colors) {
     const fs::path pincam = nearest(cameras, time);
-    if (pincam.empty()) {
-      return fail("{}: has no .pincam of its time in {}_intrinsics", color.string(), which);
+    const auto camera = pincam.empty() ? fail("{}: has no .pincam of its time in {}_intrinsics",
+                                              color.string(), which)
+                                       : read_pincam(pincam);
+    const std::uint64_t index = listing.pictures.size() + listing.damaged.size();
+    if (camera) {
+      listing.pictures.push_back({index, time, color, nearest(depths, time), *camera});
+    } else {
+      listing.damaged.push_back({index, camera.error().message});
     }
-    ROOMWISE_TRY(const auto camera, read_pincam(pincam));
-    listing.pictures.push_back(
-        {listing.pictures.size(), time, color, nearest(depths, time), camera});
   }
   if (fs::exists(folder / kTrajectory, ignored)) {
-    ROOMWISE_TRY(listing.device_poses, read_traj(folder / kTrajectory));
+    ROOMWISE_TRY(listing.device_poses, read_traj(folder / kTrajectory, listing.notes));
   }
   return PhoneRecording::open(std::move(listing), options);
 }

@@ -6,8 +6,7 @@
 #include "roomwise/recording/recording.h"
 
 // Folders of pictures that other apps and collections write; made after their documentation and
-// source. Opening fails, naming the file, where one is damaged or what belongs together is not
-// there.
+// source. A picture whose camera or pose is damaged or not there counts as damaged.
 namespace roomwise::recording {
 
 // Polycam's raw data: keyframes/{images,cameras,depth}/MICROSECONDS, or corrected_images and

@@ -4,6 +4,7 @@
 
 #include "roomwise/image/codec.h"
 #include "roomwise/recording/phone/one_camera.h"
+#include "roomwise/recording/phone/personal_files.h"
 
 namespace roomwise::recording {
 namespace {
@@ -13,50 +14,71 @@ using geometry::PinholeCamera;
 constexpr int kMaxSide_px = 640;
 constexpr int kResampledJpegQuality = 95;
 
-Expected<image::ColorImage> read_color_of(const PhoneListing& listing, std::size_t place) {
-  if (listing.read_color) return listing.read_color(place);
-  return image::read_color(listing.pictures[place].color);
+Expected<image::ColorImage> read_color_of(const PhoneListing& listing,
+                                          const PhonePicture& picture) {
+  if (listing.read_color) return listing.read_color(picture.place);
+  return image::read_color(picture.color);
 }
 
 // The first that can be read; the first's error where none can.
 Expected<image::ColorImage> any_color_of(const PhoneListing& listing) {
-  auto first = read_color_of(listing, 0);
+  auto first = read_color_of(listing, listing.pictures.front());
   for (std::size_t i = 1; !first && i < listing.pictures.size(); ++i) {
-    if (auto other = read_color_of(listing, i)) return other;
+    if (auto other = read_color_of(listing, listing.pictures[i])) return other;
   }
   return first;
 }
 
-// The cameras of a phone are of its pictures' size, which only the pictures say.
-Expected<void> give_size(PhoneListing& listing) {
+Expected<void> check_camera(const PhonePicture& picture, const image::ColorImage& first) {
+  const PinholeCamera& camera = picture.camera;
+  if (const auto valid = camera.validate(); !valid) {
+    return fail("{}: its camera: {}", picture.color.string(), valid.error().message);
+  }
+  if (camera.width == first.width() && camera.height == first.height()) return {};
+  return fail("{}: its camera is of {}x{} pixels, but the pictures have {}x{}",
+              picture.color.string(), camera.width, camera.height, first.width(), first.height());
+}
+
+Expected<void> check_time(const PhonePicture& picture, const std::vector<PhonePicture>& before) {
+  if (before.empty() || picture.timestamp_ns > before.back().timestamp_ns) return {};
+  return fail("{}: its time {} s is not after that of the picture before, {} s",
+              picture.color.string(), format_timestamp(picture.timestamp_ns),
+              format_timestamp(before.back().timestamp_ns));
+}
+
+// Takes the pictures that are damaged out, and gives the cameras, which are of the pictures' size,
+// that size: only the pictures say it.
+Expected<void> keep_whole_pictures(PhoneListing& listing) {
   ROOMWISE_TRY(const auto first, any_color_of(listing));
+  std::vector<PhonePicture> whole;
   for (PhonePicture& picture : listing.pictures) {
-    PinholeCamera& camera = picture.camera;
-    if (camera.width == 0) camera.width = first.width();
-    if (camera.height == 0) camera.height = first.height();
-    if (const auto valid = camera.validate(); !valid) {
-      return fail("{}: its camera: {}", picture.color.string(), valid.error().message);
-    }
-    if (camera.width != first.width() || camera.height != first.height()) {
-      return fail("{}: its camera is of {}x{} pixels, but the pictures have {}x{}",
-                  picture.color.string(), camera.width, camera.height, first.width(),
-                  first.height());
+    if (picture.camera.width == 0) picture.camera.width = first.width();
+    if (picture.camera.height == 0) picture.camera.height = first.height();
+    auto fine = check_time(picture, whole);
+    if (fine) fine = check_camera(picture, first);
+    if (fine) {
+      whole.push_back(std::move(picture));
+    } else {
+      listing.damaged.push_back({picture.index, fine.error().message});
     }
   }
+  listing.pictures = std::move(whole);
+  std::ranges::sort(listing.damaged, {}, &DamagedFrame::index);
   return {};
 }
 
-Expected<std::vector<RecordedPicture>> listed(const std::vector<PhonePicture>& pictures) {
-  std::vector<RecordedPicture> all;
-  for (const PhonePicture& one : pictures) {
-    if (!all.empty() && one.timestamp_ns <= all.back().timestamp_ns) {
-      return fail("{}: its time {} s is not after that of the picture before, {} s",
-                  one.color.string(), format_timestamp(one.timestamp_ns),
-                  format_timestamp(all.back().timestamp_ns));
-    }
-    all.push_back({one.index, one.timestamp_ns, !one.depth.empty()});
-  }
-  return all;
+image::PersonalFacts facts_of_pictures(const PhoneListing& listing) {
+  if (listing.read_color) return {};
+  return personal_facts_of_some(listing.pictures.size(), [&](std::size_t place) {
+    return read_file(listing.pictures[place].color);
+  });
+}
+
+void note_depth(RecordingContents& contents) {
+  const auto without = std::ranges::count(contents.pictures, false, &RecordedPicture::has_depth);
+  if (without == 0) return;
+  contents.notes.push_back(fmt::format("{} of {} pictures have no depth image: they are no frames",
+                                       without, contents.pictures.size()));
 }
 
 }  // namespace
@@ -66,20 +88,26 @@ Expected<std::unique_ptr<Recording>> PhoneRecording::open(PhoneListing listing,
   RecordingContents contents;
   contents.kind = listing.kind;
   contents.info.name = listing.name;
-  if (listing.pictures.empty()) {
-    return fail("{}: holds no picture of which all is there", listing.name);
+  if (listing.pictures.empty()) return no_whole_frame(listing.name, listing.damaged);
+  ROOMWISE_CHECK_OK(keep_whole_pictures(listing));
+  if (listing.pictures.empty()) return no_whole_frame(listing.name, listing.damaged);
+  for (const PhonePicture& one : listing.pictures) {
+    contents.pictures.push_back({one.index, one.timestamp_ns, !one.depth.empty()});
   }
-  ROOMWISE_TRY(contents.pictures, listed(listing.pictures));
   if (std::ranges::none_of(contents.pictures, &RecordedPicture::has_depth)) {
     return fail("{}: no picture has a depth image; was it recorded without a LiDAR?", listing.name);
   }
-  ROOMWISE_CHECK_OK(give_size(listing));
   std::vector<PinholeCamera> cameras;
   for (const PhonePicture& picture : listing.pictures) cameras.push_back(picture.camera);
   contents.info.camera = common_camera(cameras, kMaxSide_px);
   if (options.camera && *options.camera != contents.info.camera) {
     return fail("{}: says itself which camera took it; leave the other camera out", listing.name);
   }
+  contents.info.left_out = listing.left_out;
+  contents.info.left_out |= facts_of_pictures(listing);
+  contents.damaged = listing.damaged;
+  contents.notes = std::move(listing.notes);
+  note_depth(contents);
   contents.device_poses = std::move(listing.device_poses);
   contents.poses_are_motion = listing.poses_are_motion;
   contents.device_up = listing.device_up;
@@ -99,12 +127,8 @@ std::string PhoneRecording::describe(const RecordedPicture& picture) const {
   return listing_.read_color ? fmt::format("{}: picture {}", file, picture.index) : file;
 }
 
-Expected<image::ColorImage> PhoneRecording::read_original(const PhonePicture& picture) const {
-  return read_color_of(listing_, static_cast<std::size_t>(&picture - listing_.pictures.data()));
-}
-
 Expected<Bytes> PhoneRecording::read_encoded(const PhonePicture& picture) const {
-  ROOMWISE_TRY(const auto color, read_original(picture));
+  ROOMWISE_TRY(const auto color, read_color_of(listing_, picture));
   if (color.width() != picture.camera.width || color.height() != picture.camera.height) {
     return fail("{}: has {}x{} pixels, the recording's first picture {}x{}", picture.color.string(),
                 color.width(), color.height(), picture.camera.width, picture.camera.height);

@@ -16,6 +16,7 @@ struct PhonePicture {
   std::filesystem::path color;     // JPEG or PNG
   std::filesystem::path depth;     // 16-bit PNG, mm; empty where there is none
   geometry::PinholeCamera camera;  // its size may be absent: that of the picture
+  std::size_t place = 0;           // in its file, where that holds more than one
 };
 
 // What the files of a phone's recording say.
@@ -23,13 +24,17 @@ struct PhoneListing {
   std::string kind, name;
   std::vector<PhonePicture> pictures;
   Trajectory device_poses;
-  bool poses_are_motion = false;  // see RecordingContents
+  std::vector<DamagedFrame> damaged = {};  // in the order of their indices
+  std::vector<std::string> notes = {};     // see RecordingContents
+  image::PersonalFacts left_out = {};      // of all but the pictures
+  bool poses_are_motion = false;           // see RecordingContents
   std::optional<Eigen::Vector3d> device_up = std::nullopt;
   // What a depth image has where nothing was measured, besides 0.
   std::uint16_t no_depth = 0;
   // Of the depth images, where it does not follow from that of the pictures.
   std::optional<geometry::PinholeCamera> depth_camera = {};
-  // Reads pictures[place] where its file holds more than one; empty: each is a file of its own.
+  // Reads a picture by its place where its file holds more than one; empty: each is a file of its
+  // own.
   // Called from several threads at once.
   std::function<Expected<image::ColorImage>(std::size_t place)> read_color = {};
 };
@@ -40,8 +45,9 @@ struct PhoneListing {
 // the lowest, which is the far end of a corridor, maps get worse.
 class PhoneRecording final : public Recording {
  public:
-  // Fails where there is no picture with depth, where times do not increase, where no picture can
-  // be read and where `options` ask for another camera.
+  // Fails where there is no picture with depth, where no picture can be read and where `options`
+  // ask for another camera. A picture whose time does not increase or whose camera cannot be counts
+  // as damaged.
   [[nodiscard]] static Expected<std::unique_ptr<Recording>> open(PhoneListing listing,
                                                                  const RecordingOptions& options);
   [[nodiscard]] geometry::PinholeCamera original_camera(
@@ -52,7 +58,6 @@ class PhoneRecording final : public Recording {
   PhoneRecording(RecordingContents contents, PhoneListing listing)
       : Recording(std::move(contents)), listing_(std::move(listing)) {}
   [[nodiscard]] const PhonePicture& original(const RecordedPicture& picture) const;
-  [[nodiscard]] Expected<image::ColorImage> read_original(const PhonePicture& picture) const;
   [[nodiscard]] Expected<Bytes> read_encoded(const PhonePicture& picture) const;
   [[nodiscard]] Expected<image::DepthImage> read_depth(const PhonePicture& picture) const;
   [[nodiscard]] Expected<image::RgbdFrame> read_frame(

@@ -1,6 +1,9 @@
+#include <algorithm>
+
 #include "roomwise/recording/phone/folders.h"
 #include "roomwise/recording/phone/json_file.h"
 #include "roomwise/recording/phone/numbered_files.h"
+#include "roomwise/recording/phone/personal_files.h"
 #include "roomwise/recording/phone/phone_recording.h"
 
 namespace roomwise::recording {
@@ -60,15 +63,27 @@ Expected<std::unique_ptr<Recording>> open_polycam_folder(const fs::path& folder,
     constexpr std::uint64_t kLatest = 1ULL << 53U;
     if (microseconds > kLatest) return fail("{}: its name is no time", image.string());
     const fs::path camera = file_or_none(cameras, microseconds);
-    if (camera.empty()) {
-      return fail("{}: has no camera of its name in {}; copy the recording again", image.string(),
-                  (frames / (which + "cameras")).string());
+    const auto facts = camera.empty()
+                           ? fail("{}: has no camera of its name in {}; copy the recording again",
+                                  image.string(), (frames / (which + "cameras")).string())
+                           : read_frame_facts(camera, polycam_facts);
+    const std::uint64_t index = listing.pictures.size() + listing.damaged.size();
+    if (!facts) {
+      listing.damaged.push_back({index, facts.error().message});
+      continue;
     }
-    ROOMWISE_TRY(const FrameFacts facts, read_frame_facts(camera, polycam_facts));
     const auto timestamp_ns = static_cast<TimestampNs>(microseconds * 1000);
-    listing.pictures.push_back({listing.pictures.size(), timestamp_ns, image,
-                                file_or_none(depths, microseconds), facts.camera});
-    listing.device_poses.push_back({timestamp_ns, facts.world_from_camera});
+    listing.pictures.push_back(
+        {index, timestamp_ns, image, file_or_none(depths, microseconds), facts->camera});
+    listing.device_poses.push_back({timestamp_ns, facts->world_from_camera});
+    listing.left_out |= facts->personal;
+  }
+  listing.left_out |= personal_facts_of_json_file(folder / "mesh_info.json");
+  const auto lost = std::ranges::count_if(
+      cameras, [&](const auto& camera) { return !images.contains(camera.first); });
+  if (lost > 0) {
+    listing.notes.push_back(
+        fmt::format("{} of {} cameras have no picture; were all copied?", lost, cameras.size()));
   }
   return PhoneRecording::open(std::move(listing), options);
 }

@@ -9,6 +9,7 @@
 #include "roomwise/image/codec.h"
 #include "roomwise/recording/phone/json_file.h"
 #include "roomwise/recording/phone/one_camera.h"
+#include "roomwise/recording/phone/personal_files.h"
 #include "roomwise/recording/phone/record3d_files.h"
 #include "roomwise/recording/phone/zip_file.h"
 
@@ -30,6 +31,9 @@ struct Record3dFrame {
 struct Record3dFacts {
   int depth_width = 0, depth_height = 0;
   std::map<std::size_t, Record3dFrame> frames;  // that have a picture, by their numbers
+  std::vector<DamagedFrame> damaged;
+  std::vector<std::string> notes;
+  image::PersonalFacts left_out;
 };
 
 Expected<int> side_of(const Json& json, const char* key, int max) {
@@ -76,9 +80,10 @@ Expected<geometry::RigidTransform> pose_of_frame(const Json& poses, std::size_t 
   const auto numbers = frame < poses.size() ? numbers_from(poses[frame], 7) : std::nullopt;
   if (!numbers) return fail("poses has no seven numbers of frame {}", frame);
   const auto& n = *numbers;
-  Eigen::Quaterniond rotation(n[3], n[0], n[1], n[2]);
-  if (!(rotation.norm() > 0.5 && rotation.norm() < 2)) {
-    return fail("the pose of frame {} has no rotation", frame);
+  const Eigen::Quaterniond rotation(n[3], n[0], n[1], n[2]);
+  constexpr double kRounding = 0.01;
+  if (!(std::abs(rotation.norm() - 1) < kRounding)) {
+    return fail("the quaternion of frame {} has not the length 1", frame);
   }
   const Eigen::Quaterniond arkit_from_camera(0, 1, 0, 0);  // half a turn about x
   return geometry::RigidTransform{rotation.normalized() * arkit_from_camera, {n[4], n[5], n[6]}};
@@ -105,6 +110,20 @@ std::size_t frames_listed(const Json& json) {
   return frames;
 }
 
+Expected<Record3dFrame> frame_from(const Json& json, std::size_t i, const PinholeCamera& size,
+                                   const std::map<std::size_t, Record3dFrame>& before) {
+  Record3dFrame frame;
+  ROOMWISE_TRY(frame.timestamp_ns, time_of_frame(json, i));
+  ROOMWISE_TRY(frame.camera, camera_of_frame(json, i, size));
+  if (const Json* poses = list_in(json, "poses")) {
+    ROOMWISE_TRY(frame.world_from_camera, pose_of_frame(*poses, i));
+  }
+  if (!before.empty() && frame.timestamp_ns <= before.rbegin()->second.timestamp_ns) {
+    return fail("the time of frame {} is not after that of the frame before", i);
+  }
+  return frame;
+}
+
 Expected<Record3dFacts> facts_from(const Json& json, const Record3dFiles& files) {
   Record3dFacts facts;
   PinholeCamera size;
@@ -112,21 +131,26 @@ Expected<Record3dFacts> facts_from(const Json& json, const Record3dFiles& files)
   ROOMWISE_TRY(size.height, side_of(json, "h", 65'535));
   ROOMWISE_TRY(facts.depth_width, side_of(json, "dw", kMaxDepthSide));
   ROOMWISE_TRY(facts.depth_height, side_of(json, "dh", kMaxDepthSide));
-  const Json* poses = list_in(json, "poses");
   const std::size_t listed = frames_listed(json);
+  std::size_t lacking = 0;
   for (std::size_t i = 0; i < listed || (listed == 0 && files.has_color(i)); ++i) {
-    if (!files.has_color(i)) continue;  // a copy may lack some
-    Record3dFrame frame;
-    ROOMWISE_TRY(frame.timestamp_ns, time_of_frame(json, i));
-    ROOMWISE_TRY(frame.camera, camera_of_frame(json, i, size));
-    if (poses != nullptr) {
-      ROOMWISE_TRY(frame.world_from_camera, pose_of_frame(*poses, i));
+    if (!files.has_color(i)) {  // a copy may lack some
+      ++lacking;
+      continue;
     }
-    if (!facts.frames.empty() && frame.timestamp_ns <= facts.frames.rbegin()->second.timestamp_ns) {
-      return fail("the time of frame {} is not after that of the frame before", i);
+    auto frame = frame_from(json, i, size, facts.frames);
+    if (frame) {
+      facts.frames.emplace(i, *std::move(frame));
+    } else {
+      facts.damaged.push_back(
+          {i, fmt::format("{}: {}", files.name_of_metadata(), frame.error().message)});
     }
-    facts.frames.emplace(i, std::move(frame));
   }
+  if (lacking > 0) {
+    facts.notes.push_back(
+        fmt::format("{} of {} frames have no picture; were all copied?", lacking, listed));
+  }
+  facts.left_out = personal_facts_of_json(json);
   return facts;
 }
 
@@ -202,8 +226,10 @@ Expected<std::unique_ptr<Recording>> open_record3d_files(std::unique_ptr<Record3
                                                          const RecordingOptions& options) {
   const std::string path = files->path().string();
   ROOMWISE_TRY(Record3dFacts facts, read_facts(*files));
-  if (facts.frames.empty()) return fail("{}: holds no picture", path);
+  if (facts.frames.empty()) return no_whole_frame(path, facts.damaged);
   RecordingContents contents;
+  contents.damaged = facts.damaged;
+  contents.notes = facts.notes;
   contents.kind = files->kind();
   contents.info.name = recording_name(files->path());
   contents.poses_are_motion = true;
@@ -219,6 +245,10 @@ Expected<std::unique_ptr<Recording>> open_record3d_files(std::unique_ptr<Record3
   if (std::ranges::none_of(contents.pictures, &RecordedPicture::has_depth)) {
     return fail("{}: no picture has a depth image", path);
   }
+  contents.info.left_out = facts.left_out;
+  contents.info.left_out |= personal_facts_of_some(contents.pictures.size(), [&](std::size_t i) {
+    return files->read_color(contents.pictures[i].index);
+  });
   contents.info.camera = common_camera(cameras, kMaxRecord3dSide_px);
   if (options.camera && *options.camera != contents.info.camera) {
     return fail("{}: says itself which camera took it; leave the other camera out", path);

@@ -11,7 +11,8 @@ namespace roomwise::recording {
 // of confidence 0 is left out. Each frame has a camera of its own; frames are as if one camera had
 // taken them all (one_camera.h), with at most 640 px a side; depth is in mm.
 [[nodiscard]] bool is_record3d_file(const std::filesystem::path& path);
-// Fails, naming the file within, where one is damaged, and where `options` ask for another camera.
+// Fails, naming the file within, where the metadata is damaged, and where `options` ask for another
+// camera. A frame of which the metadata says nothing that can be counts as damaged.
 [[nodiscard]] Expected<std::unique_ptr<Recording>> open_record3d(const std::filesystem::path& path,
                                                                  const RecordingOptions& options);
 

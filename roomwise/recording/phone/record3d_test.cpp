@@ -58,6 +58,20 @@ TEST_F(Record3dTest, PosesAreTurnedToLookForward) {
                   .isApprox(Eigen::Vector3d(0, 1.5, 4), 1e-6));
 }
 
+TEST_F(Record3dTest, APoseThatIsNoneLeavesItsFrameOut) {
+  for (const char* quaternion : {"0, 0, 0, 0", "0, 0, 0, 1.02", "0, 0.5, 0, 0.5"}) {
+    files_["metadata"] = bytes_of(fmt::format(R"({{"w": 48, "h": 64, "dw": 12, "dh": 16, "fps": 10,
+      "K": [60, 0, 0, 0, 61, 0, 23.5, 31.5, 1],
+      "poses": [[0, 0, 0, 1.005, 1, 2, 3], [{}, 1, 2, 3]]}})",
+                                              quaternion));
+    const auto opened = open(files_);
+    ASSERT_OK(opened);
+    EXPECT_THAT((*opened)->frames(), ElementsAre(0)) << quaternion;
+    EXPECT_ERROR((*opened)->next(), "metadata: the quaternion of frame 1 has not the length 1");
+    EXPECT_EQ((*opened)->next().value()->index, 0U);
+  }
+}
+
 TEST_F(Record3dTest, EachFrameMayHaveACameraOfItsOwn) {
   files_["metadata"] = bytes_of(R"({"w": 48, "h": 64, "dw": 12, "dh": 16, "fps": 10,
     "K": [1, 0, 0, 0, 1, 0, 1, 1, 1],
@@ -213,6 +227,8 @@ TEST_F(Record3dExrTest, APictureThatACopyLacksLeavesAGap) {
   const auto opened = open();
   ASSERT_OK(opened);
   EXPECT_THAT((*opened)->frames(), ElementsAre(0, 3));
+  EXPECT_THAT((*opened)->notes(),
+              ElementsAre(::testing::HasSubstr("2 of 4 frames have no picture")));
   EXPECT_EQ((*opened)->frame(3).value()->timestamp_ns, 10'800'000'000);
 }
 

@@ -5,6 +5,7 @@
 
 #include "roomwise/recording/phone/json_file.h"
 #include "roomwise/recording/phone/numbered_files.h"
+#include "roomwise/recording/phone/personal_files.h"
 #include "roomwise/recording/phone/phone_recording.h"
 
 namespace roomwise::recording {
@@ -27,18 +28,41 @@ Expected<FrameFacts> scanner_app_facts(const nlohmann::json& json) {
   return facts;
 }
 
+struct AllFacts {
+  std::map<std::uint64_t, FrameFacts> of_frame;
+  std::map<std::uint64_t, std::string> damage;  // why there are none
+};
+
 // The app writes every frame's file before the next one's, so times that go back are damage.
-Expected<std::map<std::uint64_t, FrameFacts>> read_all_facts(const NumberedFiles& files) {
-  std::map<std::uint64_t, FrameFacts> all;
+AllFacts read_all_facts(const NumberedFiles& files) {
+  AllFacts all;
   for (const auto& [number, file] : files) {
-    ROOMWISE_TRY(const FrameFacts facts, read_frame_facts(file, scanner_app_facts));
-    if (!all.empty() && facts.timestamp_ns <= all.rbegin()->second.timestamp_ns) {
-      return fail("{}: its time {} s is not after that of the frame before", file.string(),
-                  format_timestamp(facts.timestamp_ns));
+    const auto facts = read_frame_facts(file, scanner_app_facts);
+    if (!facts) {
+      all.damage.emplace(number, facts.error().message);
+    } else if (!all.of_frame.empty() &&
+               facts->timestamp_ns <= all.of_frame.rbegin()->second.timestamp_ns) {
+      all.damage.emplace(number,
+                         fmt::format("{}: its time {} s is not after that of the frame before",
+                                     file.string(), format_timestamp(facts->timestamp_ns)));
+    } else {
+      all.of_frame.emplace(number, *facts);
     }
-    all.emplace(number, facts);
   }
   return all;
+}
+
+// Of frames without a picture only poses are lost.
+void note_lost_poses(const AllFacts& facts, const NumberedFiles& colors, PhoneListing& listing) {
+  std::vector<std::string> lost;
+  for (const auto& [number, why] : facts.damage) {
+    if (!colors.contains(number)) lost.push_back(why);
+  }
+  if (lost.empty()) return;
+  listing.notes.push_back(
+      fmt::format("the poses of {} frames without a picture cannot be read; the "
+                  "first: {}",
+                  lost.size(), lost.front()));
 }
 
 }  // namespace
@@ -60,21 +84,30 @@ Expected<std::unique_ptr<Recording>> open_scanner_app_export(const fs::path& fol
   ROOMWISE_TRY(const auto json, numbered_files(folder, "frame_", ".json"));
   ROOMWISE_TRY(const auto colors, numbered_files(folder, "frame_", ".jpg"));
   ROOMWISE_TRY(const auto depths, numbered_files(folder, "depth_", ".png"));
-  ROOMWISE_TRY(const auto facts, read_all_facts(json));
+  const AllFacts facts = read_all_facts(json);
   PhoneListing listing{"3D Scanner App, All Data", recording_name(folder), {}, {}};
   listing.poses_are_motion = true;  // ARKit's
   listing.device_up = kArkitUp;
   for (const auto& [number, file] : colors) {
-    const auto of_frame = facts.find(number);
-    if (of_frame == facts.end()) {
-      return fail("{}: has no .json of its number; copy the recording again", file.string());
+    const auto of_frame = facts.of_frame.find(number);
+    if (of_frame == facts.of_frame.end()) {
+      const auto why = facts.damage.find(number);
+      listing.damaged.push_back(
+          {number, why != facts.damage.end()
+                       ? why->second
+                       : fmt::format("{}: has no .json of its number; copy the recording again",
+                                     file.string())});
+      continue;
     }
     listing.pictures.push_back({number, of_frame->second.timestamp_ns, file,
                                 file_or_none(depths, number), of_frame->second.camera});
   }
-  for (const auto& [number, of_frame] : facts) {
+  for (const auto& [number, of_frame] : facts.of_frame) {
     listing.device_poses.push_back({of_frame.timestamp_ns, of_frame.world_from_camera});
+    listing.left_out |= of_frame.personal;
   }
+  listing.left_out |= personal_facts_of_json_file(folder / "info.json");
+  note_lost_poses(facts, colors, listing);
   return PhoneRecording::open(std::move(listing), options);
 }
 

@@ -91,6 +91,8 @@ TEST_F(ScannerAppFolder, TakesAPictureWithoutDepthAsNoFrame) {
   const auto recording = open();
   ASSERT_OK(recording);
   EXPECT_THAT((*recording)->frames(), ::testing::ElementsAre(0));
+  EXPECT_THAT((*recording)->notes(),
+              ::testing::ElementsAre(::testing::HasSubstr("1 of 2 pictures have no depth image")));
   EXPECT_OK((*recording)->read_color(3));
 }
 
@@ -102,32 +104,73 @@ TEST_F(ScannerAppFolder, RefusesAnotherCamera) {
   EXPECT_ERROR(open_recording(folder_.path(), {.camera = other}), "says itself which camera");
 }
 
-TEST_F(ScannerAppFolder, NamesTheFileThatIsDamaged) {
-  const auto is_refused = [&](const json& content, const char* why) {
-    write(1, "frame_{:05}.json", content.dump());
+TEST_F(ScannerAppFolder, NamesTheFileThatIsDamagedAndGivesTheOtherFrames) {
+  const auto is_left_out = [&](const char* why) {
     const auto opened = open();
-    EXPECT_ERROR(opened, why);
-    EXPECT_ERROR(opened, "frame_00001.json");
+    ASSERT_OK(opened);
+    EXPECT_THAT((*opened)->frames(), ::testing::ElementsAre(0));
+    EXPECT_EQ((*opened)->device_poses().size(), 5U);
+    ASSERT_EQ((*opened)->damaged().size(), 1U);
+    EXPECT_EQ((*opened)->damaged().front().index, 3U);
+    const auto first = (*opened)->next();
+    EXPECT_ERROR(first, why);
+    EXPECT_ERROR(first, "frame_00003");
+    EXPECT_EQ((*opened)->next().value()->index, 0U) << "it is told at once, and but once";
+    EXPECT_FALSE((*opened)->next().value().has_value());
   };
-  json one = frame_json(1);
-  one["time"] = 99;
-  is_refused(one, "is not after");
-  one = frame_json(1);
-  one.erase("time");
-  is_refused(one, "'time' is missing");
-  one = frame_json(1);
-  one["intrinsics"] = {1, 2};
-  is_refused(one, "no list of 9 numbers");
-  one = frame_json(1);
-  one["cameraPoseARFrame"][0] = 7;
-  is_refused(one, "no rotation");
-  one["cameraPoseARFrame"][0] = nullptr;
-  is_refused(one, "no finite number");
-  is_refused("text", "no JSON object");
+  const auto is_left_out_with = [&](const json& content, const char* why) {
+    write(3, "frame_{:05}.json", content.dump());
+    is_left_out(why);
+  };
+  json three = frame_json(3);
+  three["time"] = 99;
+  is_left_out_with(three, "is not after");
+  three = frame_json(3);
+  three.erase("time");
+  is_left_out_with(three, "'time' is missing");
+  three = frame_json(3);
+  three["intrinsics"] = {1, 2};
+  is_left_out_with(three, "no list of 9 numbers");
+  three = frame_json(3);
+  three["cameraPoseARFrame"][0] = 7;
+  is_left_out_with(three, "no rotation");
+  three["cameraPoseARFrame"][0] = nullptr;
+  is_left_out_with(three, "no finite number");
+  is_left_out_with("text", "no JSON object");
+  write(3, "frame_{:05}.json", std::string_view("{\"time\": 1"));
+  is_left_out("frame_00003.json: is no JSON object");
+  std::filesystem::resize_file(file(3, "frame_{:05}.json"), 1 << 21);
+  is_left_out("more than");
+  std::filesystem::remove(file(3, "frame_{:05}.json"));
+  is_left_out("frame_00003.jpg: has no .json of its number");
+}
+
+TEST_F(ScannerAppFolder, GivesACameraThatCannotBeAsDamage) {
+  json three = frame_json(3);
+  three["intrinsics"][0] = -1;
+  write(3, "frame_{:05}.json", three.dump());
+  const auto opened = open();
+  ASSERT_OK(opened);
+  EXPECT_ERROR((*opened)->next(), "frame_00003.jpg: its camera: ");
+  EXPECT_EQ((*opened)->next().value()->index, 0U);
+}
+
+TEST_F(ScannerAppFolder, SaysHowManyPosesOfNoPictureAreLost) {
+  EXPECT_THAT(open().value()->notes(), ::testing::IsEmpty());
   write(1, "frame_{:05}.json", std::string_view("{\"time\": 1"));
-  EXPECT_ERROR(open(), "frame_00001.json: is no JSON object");
-  std::filesystem::resize_file(file(1, "frame_{:05}.json"), 1 << 21);
-  EXPECT_ERROR(open(), "more than");
+  const auto opened = open();
+  ASSERT_OK(opened);
+  EXPECT_THAT((*opened)->damaged(), ::testing::IsEmpty());
+  EXPECT_THAT((*opened)->notes(),
+              ::testing::ElementsAre(::testing::AllOf(::testing::HasSubstr("the poses of 1 frames"),
+                                                      ::testing::HasSubstr("frame_00001.json"))));
+  EXPECT_EQ((*opened)->device_poses().size(), 5U);
+}
+
+TEST_F(ScannerAppFolder, SaysThatItTellsWhereItWasRecorded) {
+  EXPECT_EQ(open().value()->info().left_out, (image::PersonalFacts{true, false, false}));
+  EXPECT_OK(write_file(folder_ / "info.json", std::string_view(R"({"deviceName": "Jane's"})")));
+  EXPECT_EQ(open().value()->info().left_out, (image::PersonalFacts{true, true, false}));
 }
 
 TEST_F(ScannerAppFolder, NamesThePictureThatCannotBeRead) {
@@ -139,9 +182,10 @@ TEST_F(ScannerAppFolder, NamesThePictureThatCannotBeRead) {
   EXPECT_ERROR(open().value()->frame(0), "depth_00000.png");
 }
 
-TEST_F(ScannerAppFolder, WantsAnExportThatIsWhole) {
+TEST_F(ScannerAppFolder, WantsOneFrameThatIsWhole) {
+  std::filesystem::remove(file(0, "frame_{:05}.json"));
   std::filesystem::remove(file(3, "frame_{:05}.json"));
-  EXPECT_ERROR(open(), "frame_00003.jpg: has no .json of its number");
+  EXPECT_ERROR(open(), "none of its 2 frames can be read; the first: ");
   std::filesystem::remove(file(3, "frame_{:05}.jpg"));
   std::filesystem::remove(file(0, "frame_{:05}.jpg"));
   EXPECT_ERROR(open(), "holds no picture");

@@ -52,12 +52,17 @@ Expected<std::unique_ptr<Recording>> open_seven_scenes_folder(const fs::path& fo
   for (const auto& [number, color] : colors) {
     if (number > kMaxFrames) return fail("{}: its number is too large", color.string());
     const auto timestamp_ns = static_cast<TimestampNs>(number) * kFrame_ns;
+    const fs::path file = file_or_none(poses, number);
+    if (!file.empty()) {
+      const auto world_from_camera = read_scene_pose(file);
+      if (!world_from_camera) {
+        listing.damaged.push_back({number, world_from_camera.error().message});
+        continue;
+      }
+      listing.device_poses.push_back({timestamp_ns, *world_from_camera});
+    }
     listing.pictures.push_back(
         {number, timestamp_ns, color, file_or_none(depths, number), kinect(525)});
-    const fs::path pose = file_or_none(poses, number);
-    if (pose.empty()) continue;
-    ROOMWISE_TRY(const auto world_from_camera, read_scene_pose(pose));
-    listing.device_poses.push_back({timestamp_ns, world_from_camera});
   }
   return PhoneRecording::open(std::move(listing), options);
 }

@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 struct CsvLine {
   std::size_t number = 0;  // in the file, from 1
   std::vector<std::string_view> values;
+  bool complete = true;  // false for a last line without its line end
 };
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t\r");
@@ -29,10 +30,11 @@ std::vector<CsvLine> csv_lines(std::string_view text) {
   std::vector<CsvLine> lines;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = std::min(text.find('\n'), text.size());
+    const bool complete = end < text.size();
     std::string_view line = trimmed(text.substr(0, end));
     text.remove_prefix(std::min(end + 1, text.size()));
     if (line.empty()) continue;
-    CsvLine values{number, {}};
+    CsvLine values{number, {}, complete};
     for (;;) {
       const std::size_t comma = std::min(line.find(','), line.size());
       values.values.push_back(trimmed(line.substr(0, comma)));
@@ -53,12 +55,26 @@ class OdometryTable {
     ROOMWISE_TRY(std::string text, read_text_file(file));
     table.text_ = std::make_unique<const std::string>(std::move(text));
     table.lines_ = csv_lines(*table.text_);
+    if (table.lines_.size() > 1 && !table.lines_.back().complete) {
+      table.cut_off_ = table.lines_.back().number;  // and so may be its last number
+      table.lines_.pop_back();
+    }
     if (table.lines_.size() < 2) return fail("{}: holds no frame", table.file_);
     return table;
   }
 
   [[nodiscard]] std::size_t size() const { return lines_.size() - 1; }
   [[nodiscard]] bool has(std::string_view column) const { return place_of(column).has_value(); }
+  // The number of a last line within which the file ends, and which is no row.
+  [[nodiscard]] std::optional<std::size_t> cut_off() const { return cut_off_; }
+  // Fails where a column is missing that every row needs.
+  [[nodiscard]] Expected<void> check_columns() const {
+    for (const char* column : {"timestamp", "frame", "x", "y", "z", "qx", "qy", "qz", "qw"}) {
+      if (has(column)) continue;
+      return fail("{}:{}: has no column '{}'", file_, lines_.front().number, column);
+    }
+    return {};
+  }
   [[nodiscard]] std::string place(std::size_t row) const {
     return fmt::format("{}:{}", file_, lines_[row + 1].number);
   }
@@ -92,6 +108,7 @@ class OdometryTable {
   std::string file_;
   std::unique_ptr<const std::string> text_;  // what the lines point into
   std::vector<CsvLine> lines_;
+  std::optional<std::size_t> cut_off_;
 };
 
 // Three rows of three numbers.
@@ -141,6 +158,43 @@ Expected<geometry::RigidTransform> pose_of_row(const OdometryTable& table, std::
   return geometry::RigidTransform{rotation.normalized(), {values[0], values[1], values[2]}};
 }
 
+struct StrayRow {
+  PhonePicture picture;  // without its files
+  StampedPose pose;
+};
+Expected<StrayRow> read_row(const OdometryTable& table, std::size_t row,
+                            const geometry::PinholeCamera& otherwise, const StrayRow* before) {
+  StrayRow read;
+  PhonePicture& picture = read.picture;
+  picture.place = row;
+  ROOMWISE_TRY(picture.index, table.number<std::uint64_t>(row, "frame"));
+  if (before != nullptr && picture.index <= before->picture.index) {
+    return fail("{}: its number is not after that of the line before", table.place(row));
+  }
+  ROOMWISE_TRY(const auto time, table.word(row, "timestamp"));
+  ROOMWISE_TRY(picture.timestamp_ns, in_context(table.place(row), parse_timestamp(time)));
+  if (before != nullptr && picture.timestamp_ns <= before->picture.timestamp_ns) {
+    return fail("{}: its time {} s is not after that of the line before", table.place(row), time);
+  }
+  ROOMWISE_TRY(picture.camera, camera_of_row(table, row, otherwise));
+  ROOMWISE_TRY(read.pose.world_from_camera, pose_of_row(table, row));
+  read.pose.timestamp_ns = picture.timestamp_ns;
+  return read;
+}
+
+// What an end that was cut off lacks.
+void note_end(const OdometryTable& table, const VideoFile& video, PhoneListing& listing) {
+  if (table.cut_off()) {
+    listing.notes.push_back(
+        fmt::format("odometry.csv ends within line {}, which is left out", *table.cut_off()));
+  }
+  if (video.size() < table.size()) {
+    listing.notes.push_back(
+        fmt::format("rgb.mp4 has {} pictures, odometry.csv {} frames: what comes before is read",
+                    video.size(), table.size()));
+  }
+}
+
 }  // namespace
 
 bool is_stray_scanner_folder(const fs::path& folder) {
@@ -152,6 +206,7 @@ bool is_stray_scanner_folder(const fs::path& folder) {
 Expected<std::unique_ptr<Recording>> open_stray_scanner_folder(const fs::path& folder,
                                                                const RecordingOptions& options) {
   ROOMWISE_TRY(const auto table, OdometryTable::read(folder / "odometry.csv"));
+  ROOMWISE_CHECK_OK(table.check_columns());
   ROOMWISE_TRY(const auto depths, numbered_files(folder / "depth", "", ".png"));
   geometry::PinholeCamera camera;
   if (!table.has("fx")) {
@@ -160,26 +215,22 @@ Expected<std::unique_ptr<Recording>> open_stray_scanner_folder(const fs::path& f
   const fs::path file = folder / "rgb.mp4";
   ROOMWISE_TRY(auto opened, VideoFile::open(file));
   const std::shared_ptr<VideoFile> video = std::move(opened);
-  if (video->size() < table.size()) {
-    return fail("{}: has {} pictures, odometry.csv {} frames; copy the recording again",
-                file.string(), video->size(), table.size());
-  }
   PhoneListing listing{"Stray Scanner", recording_name(folder), {}, {}};
   listing.poses_are_motion = true;  // ARKit's
-  for (std::size_t row = 0; row < table.size(); ++row) {
-    PhonePicture picture;
-    ROOMWISE_TRY(picture.index, table.number<std::uint64_t>(row, "frame"));
-    if (row > 0 && picture.index <= listing.pictures.back().index) {
-      return fail("{}: its number is not after that of the line before", table.place(row));
+  listing.left_out = video->personal_facts();
+  note_end(table, *video, listing);
+  std::optional<StrayRow> before;
+  for (std::size_t row = 0; row < std::min(table.size(), video->size()); ++row) {
+    auto read = read_row(table, row, camera, before ? &*before : nullptr);
+    if (!read) {
+      listing.damaged.push_back({before ? before->picture.index + 1 : 0, read.error().message});
+      continue;
     }
-    ROOMWISE_TRY(const auto time, table.word(row, "timestamp"));
-    ROOMWISE_TRY(picture.timestamp_ns, in_context(table.place(row), parse_timestamp(time)));
-    picture.color = file;
-    picture.depth = file_or_none(depths, picture.index);
-    ROOMWISE_TRY(picture.camera, camera_of_row(table, row, camera));
-    ROOMWISE_TRY(const auto world_from_camera, pose_of_row(table, row));
-    listing.device_poses.push_back({picture.timestamp_ns, world_from_camera});
-    listing.pictures.push_back(std::move(picture));
+    before = *read;
+    read->picture.color = file;
+    read->picture.depth = file_or_none(depths, read->picture.index);
+    listing.device_poses.push_back(read->pose);
+    listing.pictures.push_back(std::move(read->picture));
   }
   listing.read_color = [video](std::size_t place) { return video->read(place); };
   return PhoneRecording::open(std::move(listing), options);

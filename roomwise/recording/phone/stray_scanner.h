@@ -11,7 +11,8 @@
 namespace roomwise::recording {
 
 [[nodiscard]] bool is_stray_scanner_folder(const std::filesystem::path& folder);
-// Fails, naming file and line, where a table is damaged or the video has fewer pictures than lines.
+// A line that is damaged counts as a damaged frame. Lines beyond the end of the video, and a last
+// one that was cut off, are no frames.
 [[nodiscard]] Expected<std::unique_ptr<Recording>> open_stray_scanner_folder(
     const std::filesystem::path& folder, const RecordingOptions& options);
 

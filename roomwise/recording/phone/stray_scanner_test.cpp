@@ -145,14 +145,70 @@ TEST_F(StrayScannerFolder, NamesTheLineThatIsDamaged) {
   is_refused("7, 0, nan, 0, 0, 0, 0, 0, 1\n", "x = 'nan'");
   is_refused("7, 0, 0, 0, 0, 0, 0, 0, 9\n", "has not the length 1");
   write("odometry.csv", std::string_view("a,b\n1,2\n"));
-  EXPECT_ERROR(open(), "odometry.csv:1: has no column 'frame'");
+  EXPECT_ERROR(open(), "odometry.csv:1: has no column 'timestamp'");
   write("odometry.csv", std::string_view(""));
   EXPECT_ERROR(open(), "odometry.csv: holds no frame");
 }
 
-TEST_F(StrayScannerFolder, WantsAPictureForEachLine) {
+TEST_F(StrayScannerFolder, GoesOnBehindALineThatIsDamaged) {
+  std::string table = read_text_file(folder_ / "odometry.csv").value();
+  const std::size_t line = table.find("7.051, 000003");
+  ASSERT_NE(line, table.npos);
+  write("odometry.csv", table.replace(line, 5, "x.051"));
+  const auto recording = open();
+  ASSERT_OK(recording);
+  EXPECT_ERROR((*recording)->next(), "odometry.csv:5");
+  EXPECT_EQ((*recording)->frames().size(), std::size_t{kStrayFrames - 1});
+  EXPECT_EQ((*recording)->find(3), nullptr);
+  EXPECT_NEAR((*recording)->read_color(4)->at(30, 20).r, brightness_of_grey_video(4), 4)
+      << "each line behind it has its own picture";
+}
+
+TEST_F(StrayScannerFolder, GivesWhatComesBeforeTheEndOfAVideoThatIsShorter) {
   EXPECT_TRUE(write_grey_video(folder_ / "rgb.mp4", kStrayFrames - 1));
-  EXPECT_ERROR(open(), "rgb.mp4: has 19 pictures, odometry.csv 20 frames");
+  const auto recording = open();
+  ASSERT_OK(recording);
+  EXPECT_EQ((*recording)->frames().size(), std::size_t{kStrayFrames - 1});
+  EXPECT_THAT((*recording)->notes(), ::testing::ElementsAre(::testing::HasSubstr(
+                                         "rgb.mp4 has 19 pictures, odometry.csv 20 frames")));
+}
+
+TEST_F(StrayScannerFolder, LeavesALineOutWithinWhichTheTableEnds) {
+  const std::string table = read_text_file(folder_ / "odometry.csv").value();
+  for (const std::size_t cut : {2U, 4U, 30U}) {
+    write("odometry.csv", std::string_view(table).substr(0, table.size() - cut));
+    const auto recording = open();
+    ASSERT_OK(recording);
+    EXPECT_EQ((*recording)->frames().size(), std::size_t{kStrayFrames - 1}) << cut;
+    EXPECT_THAT((*recording)->notes(),
+                ::testing::ElementsAre(::testing::HasSubstr("ends within line 21")));
+  }
+}
+
+// With its index in front, as some phones write it.
+TEST_F(StrayScannerFolder, GivesWhatComesBeforeTheEndOfAVideoThatWasCutOff) {
+  EXPECT_TRUE(write_grey_video(folder_ / "rgb.mp4", kStrayFrames, AV_CODEC_ID_MPEG4, 6, 64, 48,
+                               /*index_first=*/true));
+  const auto whole = std::filesystem::file_size(folder_ / "rgb.mp4");
+  EXPECT_EQ(open().value()->frames().size(), std::size_t{kStrayFrames});
+  std::filesystem::resize_file(folder_ / "rgb.mp4", whole - 1);
+  std::size_t before = kStrayFrames;
+  for (auto size = whole - 1; size > whole / 2; size -= 40) {
+    std::filesystem::resize_file(folder_ / "rgb.mp4", size);
+    const auto recording = open();
+    if (!recording) break;  // before the first picture
+    const auto& frames = (*recording)->frames();
+    EXPECT_LE(frames.size(), before);
+    EXPECT_LT(frames.size(), std::size_t{kStrayFrames});
+    EXPECT_THAT((*recording)->notes(), ::testing::SizeIs(1));
+    before = frames.size();
+    for (const std::uint64_t index : frames) {
+      const auto color = (*recording)->read_color(index);
+      ASSERT_OK(color);
+      EXPECT_NEAR(color->at(30, 20).r, brightness_of_grey_video(static_cast<int>(index)), 4);
+    }
+  }
+  EXPECT_LT(before, std::size_t{kStrayFrames / 2 + 4});
 }
 
 }  // namespace

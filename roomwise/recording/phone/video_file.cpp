@@ -118,18 +118,32 @@ Expected<void> VideoFile::Stream::open_decoder() {
 Expected<void> VideoFile::Stream::list_pictures() {
   constexpr std::size_t kMost = 1U << 22U;
   int code = 0;
+  bool is_cut_off = false;
+  std::int64_t last_decoded = AV_NOPTS_VALUE;
   while ((code = av_read_frame(format.get(), packet.get())) >= 0) {
     const bool is_ours = packet->stream_index == index;
     const std::int64_t time = packet->pts != AV_NOPTS_VALUE ? packet->pts : packet->dts;
     const bool is_key = (packet->flags & AV_PKT_FLAG_KEY) != 0;
+    is_cut_off = is_cut_off || (packet->flags & AV_PKT_FLAG_CORRUPT) != 0;
+    const std::int64_t decoded = packet->dts;
     av_packet_unref(packet.get());
+    if (is_cut_off) break;
     if (!is_ours) continue;
+    last_decoded = decoded;
     if (time == AV_NOPTS_VALUE) return fail("{}: has pictures without a time", path);
     pictures.push_back({time, is_key});
     if (pictures.size() > kMost) return fail("{}: has more than {} pictures", path, kMost);
   }
-  if (code != AVERROR_EOF) return fail("{}: cannot be read: {}", path, av_reason(code));
+  if (!is_cut_off && code != AVERROR_EOF) {
+    return fail("{}: cannot be read: {}", path, av_reason(code));
+  }
   std::ranges::sort(pictures, {}, &Picture::time);
+  const auto listed = static_cast<std::size_t>(format->streams[index]->nb_frames);
+  is_cut_off = is_cut_off || pictures.size() < listed;
+  // What is decoded later is shown later, too.
+  if (is_cut_off) {
+    std::erase_if(pictures, [&](const Picture& one) { return one.time > last_decoded; });
+  }
   if (pictures.empty() || !pictures.front().is_key) {
     return fail("{}: does not begin with a whole picture", path);
   }
@@ -219,6 +233,19 @@ Expected<std::unique_ptr<VideoFile>> VideoFile::open(const std::filesystem::path
 
 std::size_t VideoFile::size() const {
   return stream_->pictures.size();
+}
+
+image::PersonalFacts VideoFile::personal_facts() const {
+  image::PersonalFacts facts;
+  const AVDictionaryEntry* entry = nullptr;
+  while ((entry = av_dict_get(stream_->format->metadata, "", entry, AV_DICT_IGNORE_SUFFIX))) {
+    const std::string_view key = entry->key;
+    const auto has = [&](std::string_view part) { return key.find(part) != key.npos; };
+    facts.place = facts.place || has("location");
+    facts.device = facts.device || has("make") || has("model");
+    facts.owner = facts.owner || has("author") || has("artist");
+  }
+  return facts;
 }
 
 Expected<image::ColorImage> VideoFile::read(std::size_t place) {

@@ -5,6 +5,7 @@
 
 #include "roomwise/base/expected.h"
 #include "roomwise/image/image.h"
+#include "roomwise/image/personal_facts.h"
 
 namespace roomwise::recording {
 
@@ -13,14 +14,17 @@ namespace roomwise::recording {
 // the key picture before.
 class VideoFile {
  public:
-  // Reads the packets' times, and decodes nothing. Fails, naming the file, where it is no such
-  // video or was cut off.
+  // Reads the packets' times, and decodes nothing. Of a file that was cut off the pictures count
+  // before which none is missing. Fails, naming the file, where it is no such video or was cut off
+  // before its index.
   [[nodiscard]] static Expected<std::unique_ptr<VideoFile>> open(const std::filesystem::path& path);
   ~VideoFile();
   VideoFile(const VideoFile&) = delete;
   VideoFile& operator=(const VideoFile&) = delete;
 
   [[nodiscard]] std::size_t size() const;
+  // What the file says besides its pictures.
+  [[nodiscard]] image::PersonalFacts personal_facts() const;
   // place < size(). Fails where it is damaged. Thread-safe, one at a time.
   [[nodiscard]] Expected<image::ColorImage> read(std::size_t place);
 

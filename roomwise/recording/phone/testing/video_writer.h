@@ -13,10 +13,12 @@ extern "C" {
 namespace roomwise::recording::testing {
 
 // An MP4 file of `count` grey pictures, the i-th of brightness 20 + 6 * (i % 32), with pictures
-// that are predicted from later ones and a whole one every `gop`. False where it cannot be made.
+// that are predicted from later ones and a whole one every `gop`; its index before or behind them.
+// False where it cannot be made.
 [[nodiscard]] inline bool write_grey_video(const std::filesystem::path& path, int count,
                                            AVCodecID kind = AV_CODEC_ID_MPEG4, int gop = 6,
-                                           int width = 64, int height = 48) {
+                                           int width = 64, int height = 48,
+                                           bool index_first = false) {
   AVFormatContext* format = nullptr;
   const AVCodec* encoder = avcodec_find_encoder(kind);
   if (encoder == nullptr ||
@@ -39,8 +41,11 @@ namespace roomwise::recording::testing {
   bool is_fine = avcodec_open2(codec, encoder, nullptr) >= 0 &&
                  avcodec_parameters_from_context(stream->codecpar, codec) >= 0;
   stream->time_base = codec->time_base;
+  AVDictionary* options = nullptr;
+  av_dict_set(&options, "movflags", "faststart", 0);
   is_fine = is_fine && avio_open(&format->pb, path.c_str(), AVIO_FLAG_WRITE) >= 0 &&
-            avformat_write_header(format, nullptr) >= 0;
+            avformat_write_header(format, index_first ? &options : nullptr) >= 0;
+  av_dict_free(&options);
 
   AVPacket* packet = av_packet_alloc();
   const auto write_packets = [&] {
