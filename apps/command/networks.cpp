@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
-#include <ranges>
 #include <set>
 #include <utility>
 
@@ -206,12 +205,17 @@ Expected<std::vector<fs::path>> usable_networks() {
 Expected<std::vector<fs::path>> usable_detectors() {
   ROOMWISE_TRY(auto files, networks_for(network::finds_things));
   sort_by_size(files);
+  std::ranges::reverse(files);
+  std::ranges::stable_partition(files, [](const fs::path& file) {
+    const auto card = network::find_model_card(file);
+    return card && card->task == network::Task::kNanoDetPlus;
+  });
   std::vector<fs::path> usable;
   std::set<std::vector<std::string>> known;
-  for (const fs::path& file : files | std::views::reverse) {
-    const auto network = network::read_network_file(file, std::nullopt);
+  for (const fs::path& file : files) {
+    const auto labels = network::read_labels_of(file);
     // Loading says what is wrong with one that cannot be read.
-    if (!network || known.insert(network->labels).second) usable.push_back(file);
+    if (!labels || known.insert(*labels).second) usable.push_back(file);
   }
   return usable;
 }

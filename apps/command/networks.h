@@ -67,8 +67,9 @@ void add_network_options(CLI::App& command, NetworkOptions& options);
 // The networks of network_folders() that look at whole pictures, by their cards, in the order of
 // folders, by name; where there are none, those that come with Roomwise.
 [[nodiscard]] Expected<std::vector<std::filesystem::path>> usable_networks();
-// The detectors of these folders, which look at every key-frame, the largest first. Of those with
-// the same labels the largest alone: two find no more than the better one, in twice the time.
+// The detectors of these folders, which look at every key-frame. Of those with the same labels one
+// alone, since two find no more than the better one, in twice the time: NanoDet-Plus, which the
+// model of objects was fitted with, else the largest.
 [[nodiscard]] Expected<std::vector<std::filesystem::path>> usable_detectors();
 
 // The entry of the catalogue of this name, or of a file of this name; or nullptr.

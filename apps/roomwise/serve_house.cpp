@@ -191,12 +191,10 @@ class HouseServer {
       return networks_.of(file, open);
     };
     house.open_options = [this](const std::string& home) { return open_options(home); };
-    house.home.threads = context_.threads;
+    const live::WorkShare work = live::share_of_work(ThreadPool::default_size(), context_.threads);
+    house.home.threads = work.threads;
+    house.home.work_places = std::make_shared<live::WorkPlaces>(work.places);
     house.home.frame_workers = context_.threads;
-    // One processor is left to answers.
-    const std::size_t for_work = ThreadPool::default_size() - 1;
-    house.home.work_places =
-        std::make_shared<live::WorkPlaces>(std::max<std::size_t>(1, for_work / context_.threads));
     house.home.seed = context_.seed;
     house.home.clock = seconds_since_1970;
     house.home.log = [this](std::string_view line) { log_.write(line); };

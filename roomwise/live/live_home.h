@@ -279,6 +279,9 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<JobEnd> map(const std::filesystem::path& folder,
                                      recording::FrameSource& walk, Progress& progress);
   [[nodiscard]] Expected<JobEnd> prepare(Progress& progress);
+  // Its two parts: what answers need, and what helpers look at.
+  [[nodiscard]] Expected<std::shared_ptr<const LiveMap>> make_map_ready(Progress& progress);
+  [[nodiscard]] Expected<JobEnd> fuse_clouds(const LiveMap& ready, Progress& progress);
   // A job that begins when there is a place for it.
   [[nodiscard]] Expected<void> start_work(
       const std::string& kind, Jobs::Body body,
@@ -341,7 +344,6 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   std::atomic<std::uint64_t> dropped_by_gone_{0};          // by devices that are not here any more
   std::shared_ptr<pipeline::LostPictures> lost_pictures_;  // jobs alone
 
-  WorkPlaces::Place* work_place_ = nullptr;  // of the job in hand, by its thread alone
   // Last, so that their threads end first.
   std::unique_ptr<FrameWorkers> looking_;
   std::unique_ptr<Jobs> jobs_;

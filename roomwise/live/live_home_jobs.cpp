@@ -59,16 +59,24 @@ Expected<void> LiveHome::start_work(const std::string& kind, Jobs::Body body,
                                     WorkPlaces::Urgency urgency) {
   return jobs_->start(
       kind, [this, body = std::move(body), urgency](Progress& progress) -> Expected<JobEnd> {
-        ROOMWISE_TRY(WorkPlaces::Place place, options_.work_places->take(urgency, progress));
-        work_place_ = &place;
+        ROOMWISE_TRY(const auto place, options_.work_places->take(urgency, progress));
         return body(progress);
       });
 }
 
 Expected<void> LiveHome::start_preparing() {
-  return start_work(
-      "prepare", [this](Progress& progress) { return prepare(progress); },
-      WorkPlaces::Urgency::kAnswersWait);
+  return jobs_->start("prepare", [this](Progress& progress) -> Expected<JobEnd> {
+    // Questions come first: what helpers look at is fused while they are answered.
+    const auto ready = [&]() -> Expected<std::shared_ptr<const LiveMap>> {
+      ROOMWISE_TRY(const auto place,
+                   options_.work_places->take(WorkPlaces::Urgency::kAnswersWait, progress));
+      return make_map_ready(progress);
+    }();
+    if (!ready) return Unexpected(ready.error());
+    ROOMWISE_TRY(const auto place,
+                 options_.work_places->take(WorkPlaces::Urgency::kCanWait, progress));
+    return fuse_clouds(**ready, progress);
+  });
 }
 
 bool LiveHome::stop_preparing() {
@@ -84,24 +92,32 @@ Expected<void> LiveHome::go_on_preparing() {
 }
 
 Expected<JobEnd> LiveHome::prepare(Progress& progress) {
-  pipeline::OwnRunContext run(options_.threads, progress);
+  ROOMWISE_TRY(const auto map, make_map_ready(progress));
+  return fuse_clouds(*map, progress);
+}
+
+Expected<std::shared_ptr<const LiveMap>> LiveHome::make_map_ready(Progress& progress) {
   if (!lost_pictures_) begin_lost_pictures();
+  if (auto ready = view()->map) return ready;
+  pipeline::OwnRunContext run(options_.threads, progress);
   run.lost = lost_pictures_;
   // By a reader of its own, so that pictures can be looked at meanwhile.
   ROOMWISE_TRY(const home::Home reader, home::Home::open_read_only(file_, options_.open));
-  std::shared_ptr<const LiveMap> map = view()->map;
-  if (!map) {
-    // Questions come first: what helpers look at is fused while they are answered.
-    ROOMWISE_TRY(map, make_live_map(reader, run));
-    const std::scoped_lock lock(home_mutex_);
-    ROOMWISE_CHECK_OK(pipeline::keep_home_floor(home_, {map->frame, map->floor}));
-    // One that lacks pictures is not kept: perhaps they can be read the next time.
-    if (map->localizer->new_index() && lost_pictures_->all().empty())
-      ROOMWISE_CHECK_OK(home_.put_derived_data(*map->localizer->new_index()));
-    ROOMWISE_CHECK_OK(refresh(map));
-  }
-  ROOMWISE_CHECK_OK(work_place_->go_on_as(WorkPlaces::Urgency::kCanWait, progress));
-  ROOMWISE_TRY(map, with_clouds(*map, reader, run));
+  ROOMWISE_TRY(std::shared_ptr<const LiveMap> map, make_live_map(reader, run));
+  const std::scoped_lock lock(home_mutex_);
+  ROOMWISE_CHECK_OK(pipeline::keep_home_floor(home_, {map->frame, map->floor}));
+  // One that lacks pictures is not kept: perhaps they can be read the next time.
+  if (map->localizer->new_index() && lost_pictures_->all().empty())
+    ROOMWISE_CHECK_OK(home_.put_derived_data(*map->localizer->new_index()));
+  ROOMWISE_CHECK_OK(refresh(map));
+  return map;
+}
+
+Expected<JobEnd> LiveHome::fuse_clouds(const LiveMap& ready, Progress& progress) {
+  pipeline::OwnRunContext run(options_.threads, progress);
+  run.lost = lost_pictures_;
+  ROOMWISE_TRY(const home::Home reader, home::Home::open_read_only(file_, options_.open));
+  ROOMWISE_TRY(auto map, with_clouds(ready, reader, run));
   const std::scoped_lock lock(home_mutex_);
   ROOMWISE_CHECK_OK(refresh(std::move(map)));
   // A new walk may show what was taught.
@@ -185,12 +201,13 @@ Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string&
   if (name.find_first_of("/\\") != std::string::npos || name.starts_with('.')) {
     return fail("'{}' is no name for a recording: it must not hold '/' or begin with '.'", name);
   }
-  ROOMWISE_CHECK_OK(check_idle());
   const auto connected = all_devices();
   const auto found = std::ranges::find_if(connected, [&](const auto& one) {
     return one->who().device == device && one->is_here() && one->camera();
   });
   if (found == connected.end()) return fail("device {} is not connected with a camera", device);
+  static_cast<void>(stop_preparing());  // it is gone on with afterwards
+  ROOMWISE_CHECK_OK(check_idle());
   std::shared_ptr<WalkRecorder> recorder;
   {
     const std::scoped_lock lock(devices_mutex_);
@@ -261,8 +278,9 @@ Expected<JobEnd> LiveHome::map_folder(const fs::path& folder, Progress& progress
   return map(folder, *walk, progress);
 }
 
+// Takes no place: it waits for frames as long as somebody walks.
 Expected<void> LiveHome::start_mapping(std::shared_ptr<const WalkRecorder> walk) {
-  return start_work("map", [this, walk](Progress& progress) -> Expected<JobEnd> {
+  return jobs_->start("map", [this, walk](Progress& progress) -> Expected<JobEnd> {
     ROOMWISE_TRY(const auto frames, WalkFrames::open(walk, progress));
     return map(walk->folder(), *frames, progress);
   });

@@ -100,6 +100,7 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
     return fail("'{}' is not whole: {} of {} bytes are there", upload.name, upload.offset,
                 upload.bytes);
   }
+  static_cast<void>(stop_preparing());  // it is gone on with afterwards
   ROOMWISE_CHECK_OK(check_idle());
   return start_work("map", [this, upload](Progress& progress) -> Expected<JobEnd> {
     ROOMWISE_TRY(const TakenIn taken, take_in(upload, progress));

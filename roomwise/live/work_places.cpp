@@ -1,24 +1,18 @@
 #include "roomwise/live/work_places.h"
 
+#include <algorithm>
 #include <chrono>
 
 namespace roomwise::live {
 
+WorkShare share_of_work(std::size_t processors, std::size_t threads) {
+  const std::size_t for_work = std::max<std::size_t>(1, processors - 1);
+  const std::size_t each = std::clamp<std::size_t>(threads, 1, for_work);
+  return {for_work / each, each};
+}
+
 WorkPlaces::Place::~Place() {
   if (of_ != nullptr) of_->give_back();
-}
-
-Expected<void> WorkPlaces::Place::go_on_as(Urgency urgency, const Interruption& interruption) {
-  WorkPlaces* const of = std::exchange(of_, nullptr);
-  of->give_back();
-  ROOMWISE_CHECK_OK(of->wait_for_place(urgency, interruption));
-  of_ = of;
-  return {};
-}
-
-Expected<WorkPlaces::Place> WorkPlaces::take(Urgency urgency, const Interruption& interruption) {
-  ROOMWISE_CHECK_OK(wait_for_place(urgency, interruption));
-  return Place(this);
 }
 
 std::size_t WorkPlaces::waiting() const {
@@ -26,7 +20,7 @@ std::size_t WorkPlaces::waiting() const {
   return waiting_.size();
 }
 
-Expected<void> WorkPlaces::wait_for_place(Urgency urgency, const Interruption& interruption) {
+Expected<WorkPlaces::Place> WorkPlaces::take(Urgency urgency, const Interruption& interruption) {
   constexpr auto kBetweenLooks = std::chrono::milliseconds(100);  // at the interruption
   std::unique_lock lock(mutex_);
   const auto turn = waiting_.emplace(urgency, came_++).first;
@@ -35,14 +29,14 @@ Expected<void> WorkPlaces::wait_for_place(Urgency urgency, const Interruption& i
     if (auto go_on = interruption.check("waiting for other work"); !go_on) {
       waiting_.erase(turn);
       changed_.notify_all();
-      return go_on;
+      return Unexpected(std::move(go_on).error());
     }
     changed_.wait_for(lock, kBetweenLooks, is_my_turn);
   }
   waiting_.erase(turn);
   --free_;
   changed_.notify_all();
-  return {};
+  return Place(this);
 }
 
 void WorkPlaces::give_back() {

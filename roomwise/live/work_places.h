@@ -11,6 +11,15 @@
 
 namespace roomwise::live {
 
+// How long work is shared out: so many at once, each with so many threads. One processor is left to
+// answers where there are two or more.
+struct WorkShare {
+  std::size_t places = 1;
+  std::size_t threads = 1;
+};
+// `threads`: wanted for each.
+[[nodiscard]] WorkShare share_of_work(std::size_t processors, std::size_t threads);
+
 // Places for long work that the homes of one process share, so that all of them at once do not take
 // the processors from the answers. Who waits for one is interruptible. Thread-safe.
 class WorkPlaces {
@@ -29,10 +38,6 @@ class WorkPlaces {
     Place& operator=(const Place&) = delete;
     ~Place();
 
-    // Gives it to who waits for one and comes before such work, and waits for another. Fails, with
-    // no place left, where the work is to stop.
-    [[nodiscard]] Expected<void> go_on_as(Urgency urgency, const Interruption& interruption);
-
    private:
     friend class WorkPlaces;
     explicit Place(WorkPlaces* of) : of_(of) {}
@@ -45,7 +50,6 @@ class WorkPlaces {
   [[nodiscard]] std::size_t waiting() const;
 
  private:
-  [[nodiscard]] Expected<void> wait_for_place(Urgency urgency, const Interruption& interruption);
   void give_back();
 
   mutable std::mutex mutex_;

@@ -63,22 +63,18 @@ TEST(WorkPlaces, WhatAnswersWaitForComesFirstThenWhoCameFirst) {
   EXPECT_EQ(done, "cab");
 }
 
-TEST(WorkPlaces, WorkThatCanWaitFromNowOnGivesItsPlaceToWhatCannot) {
-  WorkPlaces places(1);
-  std::string done;
-  std::thread other;
-  {
-    auto place = places.take(Urgency::kAnswersWait, Interruption());
-    ASSERT_OK(place);
-    other = work(places, Urgency::kAnswersWait, 'o', done);
-    ASSERT_OK(place->go_on_as(Urgency::kCanWait, Interruption()));
-    EXPECT_EQ(done, "o");
-    Stopped stopped;
-    stopped.stop = true;
-    EXPECT_OK(place->go_on_as(Urgency::kCanWait, stopped)) << "nobody waits for it";
+TEST(WorkShare, LeavesAProcessorToAnswers) {
+  for (const std::size_t processors : {2u, 3u, 8u, 32u}) {
+    for (const std::size_t threads : {1u, 2u, 8u, 32u}) {
+      const WorkShare share = share_of_work(processors, threads);
+      EXPECT_GE(share.places, 1u);
+      EXPECT_GE(share.threads, 1u);
+      EXPECT_LE(share.threads, threads);
+      EXPECT_LT(share.places * share.threads, processors);
+    }
   }
-  other.join();
-  EXPECT_OK(places.take(Urgency::kCanWait, Interruption()));
+  EXPECT_EQ(share_of_work(8, 2).places, 3u);
+  EXPECT_EQ(share_of_work(1, 1).places, 1u);
 }
 
 }  // namespace

@@ -135,6 +135,12 @@ Expected<std::vector<std::string>> read_labels(const std::filesystem::path& path
   return parse_labels(text, path.string());
 }
 
+Expected<std::vector<std::string>> read_labels_of(const std::filesystem::path& weights) {
+  ROOMWISE_TRY(const ModelCard card, find_model_card(weights));
+  ROOMWISE_TRY(auto labels, labels_for(card, weights, std::nullopt));
+  return known_labels(card, std::move(labels));
+}
+
 Expected<NetworkFile> read_network_file(const std::filesystem::path& weights,
                                         const std::optional<std::filesystem::path>& labels) {
   if (is_eight_bit_file(weights)) return read_in_eight_bits(weights, labels);

@@ -32,7 +32,11 @@ struct NetworkFile {
 [[nodiscard]] Expected<NetworkFile> read_network_file(
     const std::filesystem::path& weights, const std::optional<std::filesystem::path>& labels);
 
-// The same for what runs networks in floats only; fails on a file of 8 bits, too.
+// What a network can name, without its weights. Fails where the card or the labels are missing.
+[[nodiscard]] Expected<std::vector<std::string>> read_labels_of(
+    const std::filesystem::path& weights);
+
+// As read_network_file(), for what runs networks in floats only; fails on a file of 8 bits, too.
 [[nodiscard]] Expected<NetworkFile> read_network_in_floats(
     const std::filesystem::path& weights,
     const std::optional<std::filesystem::path>& labels = std::nullopt);
