@@ -32,7 +32,7 @@ struct RecordOptions {
 };
 
 Expected<std::unique_ptr<recording::FrameSource>> open_source(const RecordOptions& options,
-                                                              Progress& progress) {
+                                                              Context& context) {
   if (is_live_camera(options.source)) {
     return open_live_camera({options.source, options.camera, options.calibration});
   }
@@ -41,7 +41,7 @@ Expected<std::unique_ptr<recording::FrameSource>> open_source(const RecordOption
   }
   ROOMWISE_TRY(const auto camera, given_camera(options.camera));
   ROOMWISE_TRY(auto source, recording::open_recording(options.source, {.camera = camera}));
-  for (const std::string& note : source->notes()) progress.note(note);
+  for (const std::string& note : source->notes()) context.progress.note(note);
   if (!options.skip_damaged && !source->damaged().empty()) {  // before a folder is made
     return fail("{}{}", source->damaged().front().why, kNamingSkipDamaged);
   }
@@ -160,8 +160,7 @@ Expected<void> copy_ground_truth(const RecordOptions& options) {
 }
 
 Expected<Answer> run(const RecordOptions& options, Context& context) {
-  ROOMWISE_TRY(const std::unique_ptr<recording::FrameSource> source,
-               open_source(options, context.progress));
+  ROOMWISE_TRY(const std::unique_ptr<recording::FrameSource> source, open_source(options, context));
   warn_of_camera(source->info().camera, context);
   ROOMWISE_TRY(const std::unique_ptr<recording::TumWriter> writer,
                recording::TumWriter::create(options.output, source->info().camera));
