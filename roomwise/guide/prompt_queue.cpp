@@ -107,17 +107,19 @@ std::optional<Utterance> PromptQueue::next(TimestampNs now_ns) {
   const Prompt prompt = found->prompt;
   waiting_.erase(found);
   const bool breaks_off = speaking_.has_value();
-  if (breaks_off) break_off(now_ns);
+  if (breaks_off) break_off(prompt.key, now_ns);
   remember(prompt, now_ns);
   speaking_ = Utterance{++utterances_, prompt, breaks_off};
   return speaking_;
 }
 
-void PromptQueue::break_off(TimestampNs now_ns) {
+void PromptQueue::break_off(const std::string& by_key, TimestampNs now_ns) {
   Prompt prompt = std::move(speaking_->prompt);
   finished(speaking_->id, now_ns);
-  const bool is_superseded = std::ranges::any_of(
-      waiting_, [&](const Waiting& each) { return each.prompt.key == prompt.key; });
+  const bool is_superseded =
+      is_of(prompt.key, by_key) || std::ranges::any_of(waiting_, [&](const Waiting& each) {
+        return each.prompt.key == prompt.key;
+      });
   // Callouts are not worth a second beginning.
   if (prompt.priority == Priority::kCallout || is_superseded) return;
   // Before its own parts, which came later.

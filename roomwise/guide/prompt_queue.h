@@ -100,7 +100,7 @@ class PromptQueue {
   [[nodiscard]] std::vector<Waiting>::const_iterator highest_priority(TimestampNs now_ns) const;
   void remember(const Prompt& prompt, TimestampNs now_ns);
   void forget_expired(TimestampNs now_ns);
-  void break_off(TimestampNs now_ns);
+  void break_off(const std::string& by_key, TimestampNs now_ns);
 
   PromptQueueOptions options_;
   std::vector<Waiting> waiting_;

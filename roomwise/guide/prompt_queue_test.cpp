@@ -194,6 +194,19 @@ TEST_F(PromptQueueTest, WhatWasBrokenOffIsNotSaidAgainWhenItIsOldOrACallout) {
   EXPECT_EQ(begin(10), "");
 }
 
+TEST_F(PromptQueueTest, WhatANewerWordOnTheSameBrokeOffIsNotSaidAgain) {
+  for (const std::string key : {"guide", "guide/2"}) {
+    queue_ = PromptQueue();
+    queue_.add(answer(key, "Straight on.", 9), at(0));
+    EXPECT_EQ(begin(0), "Straight on.");
+    Prompt stop = hazard("Off the way. Stop.");
+    stop.key = "guide";
+    queue_.add(stop, at(0.5));
+    EXPECT_EQ(speak(0.5), "Off the way. Stop.");
+    EXPECT_EQ(begin(2), "") << key;
+  }
+}
+
 TEST_F(PromptQueueTest, HazardsDoNotBreakOffHazardsNorStutter) {
   queue_.add(hazard(), at(0));
   EXPECT_EQ(begin(0), "Obstacle ahead.");

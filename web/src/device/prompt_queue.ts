@@ -7,7 +7,8 @@
 // - Nothing begins after its valid_until_t. An answer of which nothing was begun by then is lost, and that can be told.
 // - A hazard interrupts all but a hazard. It comes with every picture that shows it: the same one not again within 4 s.
 //   An answer that was asked for interrupts a notice or callout, since it holds for seconds.
-//   An answer or notice that was broken off is begun again afterwards, where it still holds.
+//   An answer or notice that was broken off is begun again afterwards, where it still holds and what broke it off is no newer
+//   word on the same.
 // - Callouts: 0.75 s of silence before one, whatever was said last; not what was said within a minute, by an answer either;
 //   none while it is quiet.
 import type { Priority, Prompt } from '../shared/protocol';
@@ -68,7 +69,7 @@ export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
     if (next) {
       const broken = this.spoken;
       this.begin(next, now);
-      this.keep(broken);
+      this.keep(broken, next.prompt);
       return { do: 'begin', prompt: next.prompt, interrupts: broken !== null };
     }
     const afterGap = this.silentSince + kCalloutGapMs;
@@ -88,7 +89,7 @@ export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
   putBack(now: number): void {
     const broken = this.spoken;
     this.ended(now);
-    this.keep(broken);
+    this.keep(broken, null);
   }
 
   // A hazard waits that may be told now.
@@ -135,9 +136,12 @@ export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
 
   // What was broken off comes before its own parts, which came later, unless there is a newer word on the same by now.
   // Callouts are not worth a second beginning.
-  private keep(broken: P | null): void {
-    const isSuperseded = this.waiting.some(({ prompt }) => prompt.key === broken?.key);
-    if (!broken || broken.priority === 'callout' || isSuperseded) {
+  private keep(broken: P | null, by: P | null): void {
+    if (!broken || broken.priority === 'callout') {
+      return;
+    }
+    const isSuperseded = this.waiting.some(({ prompt }) => prompt.key === broken.key) || (by !== null && isOf(broken.key, by.key));
+    if (isSuperseded) {
       return;
     }
     const parts = this.waiting.filter(({ prompt }) => wholeOf(prompt) === wholeOf(broken));

@@ -131,6 +131,16 @@ test('an answer that was broken off does not come again where it is outdated, wi
   assert.deepEqual(spokenInOrder(late, 10).concat(late.takeLost(9000) ? ['lost'] : []), ['stairs']);
 });
 
+test('what a newer word on the same broke off does not come again', () => {
+  for (const [key, again] of [['guide', []], ['stairs', ['guide/2']]] as const) {
+    const queue = new PromptQueue();
+    queue.push(prompt('guide/2', 'answer'), 0);
+    assert.equal(begun(queue, 0), 'guide/2');
+    queue.push(prompt(key, 'hazard'), 10);
+    assert.deepEqual(spokenInOrder(queue, 10), [key, ...again]);
+  }
+});
+
 test('before a callout lie 0.75 s of silence, whatever was said last and however that ended', () => {
   for (const priority of ['callout', 'answer', 'notice', 'hazard'] as const) {
     const queue = new PromptQueue();
