@@ -167,13 +167,17 @@ void Guidance::reach_out() {
   legs_.back().to = end();
 }
 
+// How much must be free to their sides: as ways lead, or as they stand already.
+double Guidance::narrow_m_at(const Vector2d& here) const {
+  return std::clamp(clearance_m(floor(), here) - kSlack_m, 0.0, options_.plan.narrow_radius_m);
+}
+
 // Somebody who stands nearer to what is beside them than ways lead is barred where they go straight
 // to the leg's end: first a step to where the way is clear.
 void Guidance::step_clear(const Pose& pose) {
   if (legs_.empty() || legs_[leg_].stairs) return;
   const Vector2d& here = pose.position_gravity;
-  const double narrow_m =
-      std::clamp(clearance_m(floor(), here) - kSlack_m, 0.0, options_.plan.narrow_radius_m);
+  const double narrow_m = narrow_m_at(here);
   const FloorSearch search(floor(), narrow_m, narrow_m);
   if (search.is_clear(here, legs_[leg_].to, narrow_m)) return;
   std::optional<Vector2d> farthest;
@@ -278,9 +282,8 @@ bool Guidance::has_arrived(const Pose& pose) {
 // Without being told: at what stands before them, or anywhere in a room.
 bool Guidance::comes_to_rest(const Pose& pose) const {
   if (goal_.kind == Goal::Kind::kRoom) return true;
-  const bool is_solid = goal_.kind == Goal::Kind::kThing || goal_.kind == Goal::Kind::kWayOut;
   const Vector2d touch = goal_.outline->nearest_to(pose.position_gravity);
-  return is_solid && with_side("", touch, pose) == "_ahead";
+  return is_solid() && with_side("", touch, pose) == "_ahead";
 }
 
 bool Guidance::is_at_goal(const Pose& pose) const {
@@ -650,6 +653,29 @@ std::optional<Vector2d> Guidance::next_place() const {
   return Vector2d(leg.from + Vector2d(std::cos(leg.heading_rad()), std::sin(leg.heading_rad())));
 }
 
+// One must be able to walk straight at it until one is there, or for all but half a step: the tone
+// leads nobody around what stands beside the way.
+std::optional<Aim> Guidance::aim() const {
+  const bool acts = state_ == State::kWalking || state_ == State::kTurning;
+  const bool is_near_end = acts && plan_.reach == Reach::kWhole && !legs_.empty() &&
+                           is_last_leg() && !legs_[leg_].stairs;
+  if (!is_near_end || !is_placed_ || !is_solid() || !goal_.is_sure) return std::nullopt;
+  const Pose& pose = *track_.newest();
+  const Vector2d& here = pose.position_gravity;
+  const Bearing bearing = bearing_of(plan_.touch_gravity, pose);
+  if (!bearing.is_sure || bearing.distance_m > options_.announce_to_m) return std::nullopt;
+  const double end_m = (plan_.touch_gravity - legs_[leg_].to).norm();
+  const double further_m =
+      bearing.distance_m - std::max(end_m, options_.arrived_m + options_.body_radius_m);
+  const double heading_rad = heading_to(here, plan_.touch_gravity);
+  const double narrow_m = narrow_m_at(here);
+  const Vector2d end = Pose{here, heading_rad}.place_of({further_m, 0});
+  const bool is_clear = further_m < kLegEnd_m ||
+                        FloorSearch(floor(), narrow_m, narrow_m).is_clear(here, end, narrow_m);
+  if (!is_clear) return std::nullopt;
+  return Aim{turn_rad(pose.heading_rad, heading_rad), bearing.distance_m};
+}
+
 std::span<const fusion::Staircase> Guidance::known_stairs() const {
   return map_.storeys != nullptr ? std::span(map_.storeys->stairs())
                                  : std::span<const fusion::Staircase>();
@@ -703,8 +729,7 @@ bool Guidance::judges_obstacles(TimestampNs now_ns) const {
 
 // What somebody is led up to is in nobody's way, nor is what it stands on.
 bool Guidance::is_goal(const Vector2d& obstacle) const {
-  const bool is_solid = goal_.kind == Goal::Kind::kThing || goal_.kind == Goal::Kind::kWayOut;
-  return is_solid && is_last_leg() && plan_.reach == Reach::kWhole && goal_.outline &&
+  return is_solid() && is_last_leg() && plan_.reach == Reach::kWhole && goal_.outline &&
          goal_.outline->distance_m(obstacle) < kHand_m;
 }
 

@@ -48,6 +48,12 @@ struct Walker {
   std::vector<Eigen::Vector2d> obstacles = {};
 };
 
+// Where the goal is, for who is about to touch it.
+struct Aim {
+  double bearing_rad = 0;  // from where they look, positive to the left
+  double distance_m = 0;   // from their middle, along the floor
+};
+
 // What the person led may want meanwhile.
 enum class GuidanceRequest { kPause, kResume, kRepeat, kHowFar, kNext, kBlocked, kEnd };
 
@@ -97,6 +103,9 @@ class Guidance {
   [[nodiscard]] const Goal& goal() const { return goal_; }
   // The way that is followed now.
   [[nodiscard]] const Plan& plan() const { return plan_; }
+  // Of a thing that is near and straight ahead or to be turned to, by the newest picture; absent
+  // where its place or theirs is not sure, or something else is to be done first.
+  [[nodiscard]] std::optional<Aim> aim() const;
   // Where the leg ends that is being walked; of stairs a place over their first step.
   [[nodiscard]] std::optional<Eigen::Vector2d> next_place() const;
 
@@ -153,6 +162,7 @@ class Guidance {
   [[nodiscard]] Prompt end_of_way(const Pose& pose, TimestampNs now_ns);
   void plan_from(const Pose& pose);
   void reach_out();
+  [[nodiscard]] double narrow_m_at(const Eigen::Vector2d& here) const;
   void step_clear(const Pose& pose);
   [[nodiscard]] bool may_skip_leg(const Pose& pose) const;
   [[nodiscard]] bool comes_to_rest(const Pose& pose) const;
@@ -184,6 +194,9 @@ class Guidance {
   [[nodiscard]] double left_m(const Pose& pose) const;
   [[nodiscard]] double bearing_error_rad(const Pose& pose) const;
   [[nodiscard]] bool goes_straight_on() const;  // after this leg
+  [[nodiscard]] bool is_solid() const {         // the goal: it is come up to, and not stood on
+    return goal_.kind == Goal::Kind::kThing || goal_.kind == Goal::Kind::kWayOut;
+  }
   [[nodiscard]] bool is_last_leg() const { return leg_ + 1 >= legs_.size(); }
   [[nodiscard]] std::optional<std::string> room_beyond(const Leg& leg) const;
   // What a hand finds at the end of the leg, or the room that begins there.

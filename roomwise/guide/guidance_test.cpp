@@ -70,7 +70,7 @@ class GuidanceTest : public ::testing::Test {
   [[nodiscard]] Walker walker() const {
     Walker walker{now_ns_};
     if (is_seen_) {
-      walker.pose = Pose{place_, heading_rad_, 0.02};
+      walker.pose = Pose{place_, heading_rad_, sigma_m_};
       walker.pose_ns = now_ns_;
     }
     walker.room = room_;
@@ -120,7 +120,7 @@ class GuidanceTest : public ::testing::Test {
   std::optional<Guidance> guidance_;
   TimestampNs now_ns_ = kNow;
   Vector2d place_ = Vector2d::Zero();
-  double heading_rad_ = 0;
+  double heading_rad_ = 0, sigma_m_ = 0.02;
   bool is_seen_ = true, has_rooms_ = true;
   std::optional<std::string> room_;
   std::optional<double> obstacle_m_;  // ahead of them, as broad as a body
@@ -400,7 +400,8 @@ TEST_F(GuidanceTest, StopsBeforeWhatStandsInTheWayAndLeadsAroundIt) {
   obstacle_m_.reset();
   const auto then = go(4);
   ASSERT_FALSE(then.empty());
-  EXPECT_THAT(then[0].message, AnyOf("guide.turn_hour", "guide.little_left", "guide.little_right"));
+  EXPECT_THAT(then[0].message,
+              AnyOf(StartsWith("guide.turn_hour_"), "guide.little_left", "guide.little_right"));
 }
 
 TEST_F(GuidanceTest, WhatTheMapHasInTheWayIsNamedWithItsSide) {
@@ -638,6 +639,102 @@ TEST_F(GuidanceTest, TheLastMetreIsBySideReachAndHeight) {
   EXPECT_LE(2.8 - place_.x(), 0.3 + 0.25);
   EXPECT_THAT(hear(5), ElementsAre("At knee height."));
   EXPECT_THAT(hear(30), IsEmpty());
+}
+
+class AimTest : public GuidanceTest {
+ protected:
+  AimTest() {
+    grid_ = testing::two_rooms().fill({25, 15}, {35, 25}, FloorCell::kOccupied).grid();
+    has_rooms_ = false;
+  }
+  [[nodiscard]] bool aims() const { return guidance_->aim().has_value(); }
+};
+
+TEST_F(AimTest, IsAtAThingThatIsNearUntilOneIsThere) {
+  lead_to(bed_at({3, 2}, "bedroom"), {0.6, 2}, -0.36);  // to its corner
+  (void)hear(9);
+  EXPECT_FALSE(aims()) << "nearly 2 m away";
+  (void)hear(1, 0.6);
+  ASSERT_TRUE(aims());
+  const Vector2d towards = guidance_->plan().touch_gravity - place_;
+  const double bearing_rad = std::atan2(towards.y(), towards.x()) - heading_rad_;
+  EXPECT_NEAR(guidance_->aim()->distance_m, towards.norm(), 1e-6);
+  EXPECT_NEAR(guidance_->aim()->bearing_rad, bearing_rad, 1e-6);
+  for (int i = 0; i < 20 && guidance_->state() != State::kArrived; ++i) (void)hear(0.4, 0.25);
+  EXPECT_EQ(guidance_->state(), State::kArrived);
+  EXPECT_FALSE(aims());
+}
+
+TEST_F(AimTest, IsToTheRightOfWhoTurnsToTheLeft) {
+  lead_to(bed_at({3, 2}, "bedroom"), {1.2, 2}, 0);
+  (void)hear(9);
+  ASSERT_TRUE(aims());
+  const double bearing_rad = guidance_->aim()->bearing_rad;
+  (void)hear(1, 0, 0.5);
+  ASSERT_TRUE(aims());
+  EXPECT_NEAR(guidance_->aim()->bearing_rad, bearing_rad - 0.5, 1e-6);
+}
+
+TEST_F(AimTest, RestsOnAPlaceThatIsSure) {
+  lead_to(bed_at({3, 2}, "bedroom"), {1.2, 2}, 0);
+  (void)hear(9);
+  ASSERT_TRUE(aims());
+  sigma_m_ = 0.4;
+  (void)hear(0.2);
+  EXPECT_FALSE(aims()) << "well enough to be led, not to be told the direction from so near";
+  sigma_m_ = 0.02;
+  (void)hear(0.2);
+  EXPECT_TRUE(aims());
+  is_seen_ = false;
+  (void)hear(0.2);
+  EXPECT_FALSE(aims());
+}
+
+TEST_F(AimTest, IsAtNothingThatMayHaveGone) {
+  Goal bed = bed_at({3, 2}, "bedroom");
+  bed.is_sure = false;
+  lead_to(bed, {1.2, 2}, 0);
+  (void)hear(9);
+  EXPECT_FALSE(aims());
+}
+
+TEST_F(AimTest, IsAtNoPlaceThatOneStandsOn) {
+  Goal spot = bed_at({3, 2}, "bedroom");
+  spot.kind = Goal::Kind::kSpot;
+  lead_to(spot, {1.2, 2}, 0);
+  (void)hear(9);
+  EXPECT_FALSE(aims());
+}
+
+TEST_F(AimTest, WaitsWhileSomethingElseIsToBeDone) {
+  lead_to(bed_at({3, 2}, "bedroom"), {1.2, 2}, 0);
+  (void)hear(9);
+  ASSERT_TRUE(aims());
+  (void)ask(GuidanceRequest::kPause);
+  (void)hear(0.2);
+  EXPECT_FALSE(aims());
+  (void)ask(GuidanceRequest::kResume);
+  (void)hear(5);
+  ASSERT_TRUE(aims());
+  (void)hear(0.4, 0.5);
+  obstacle_m_ = 0.4;
+  (void)hear(0.4, 0.5);
+  EXPECT_EQ(guidance_->state(), State::kStopped);
+  EXPECT_FALSE(aims());
+}
+
+// A shelf, at whose side the way ends: straight at the thing they would walk into its corner.
+TEST_F(AimTest, LeadsNobodyIntoWhatStandsBesideTheWay) {
+  grid_ = testing::two_rooms().fill({13, 23}, {39, 39}, FloorCell::kOccupied).grid();
+  Goal jar = bed_at({2, 2.9}, "bedroom");
+  jar.outline->size_m = {0.2, 0.2};
+  lead_to(jar, {0.9, 2}, 0);
+  (void)hear(9);
+  EXPECT_EQ(guidance_->state(), State::kWalking);
+  EXPECT_FALSE(aims());
+  (void)hear(1, 0.7);
+  ASSERT_TRUE(aims());
+  EXPECT_GT(guidance_->aim()->bearing_rad, kPi / 4);
 }
 
 // Of 0.6 m in cells of 0.1 m: ways that keep 0.3 m to each side end before it.
@@ -1039,6 +1136,11 @@ TEST_F(GuidanceTest, RulesHoldForAnythingThatHappens) {
                               "guide.stop", "guide.paused", "guide.little_left", "guide.ended"}) {
     EXPECT_GT(heard[message], 0) << message;
   }
+}
+
+TEST(TurnPhraseTest, NamesTheSideOfAnHour) {
+  EXPECT_EQ(turn_phrase(kPi / 3).message, "guide.turn_hour_left");
+  EXPECT_EQ(turn_phrase(-kPi / 3).message, "guide.turn_hour_right");
 }
 
 TEST(GuidanceOptionsTest, SayWhatIsWrong) {

@@ -32,7 +32,7 @@ Phrase turn_phrase(double turn) {
   if (std::abs(turn) < kLittle_rad) return {is_left ? "guide.little_left" : "guide.little_right"};
   if (std::abs(turn) > kAround_rad) return {"guide.turn_around"};
   if (is_quarter(turn)) return {is_left ? "guide.turn_left" : "guide.turn_right"};
-  return {"guide.turn_hour", {{"hour", hour_of(turn)}}};
+  return {is_left ? "guide.turn_hour_left" : "guide.turn_hour_right", {{"hour", hour_of(turn)}}};
 }
 
 Phrase soon_turn_phrase(double turn, const std::string& distance,

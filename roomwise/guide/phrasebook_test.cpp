@@ -45,7 +45,7 @@ TEST_F(PhrasebookTest, NumbersAreCountedByTheRuleOfTheLanguage) {
   EXPECT_EQ(spanish_.count("metre", 0.5), "0,5 metros");
   EXPECT_EQ(spanish_.count("metre", 1), "1 metro");
   const auto at_hour = [&](const char* hour) {
-    return spanish_.text("guide.turn_hour", {{"hour", hour}});
+    return spanish_.text("guide.turn_hour_left", {{"hour", hour}});
   };
   EXPECT_EQ(at_hour("1"), "Gire a la 1.");
   EXPECT_EQ(at_hour("3"), "Gire a las 3.");

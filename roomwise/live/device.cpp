@@ -638,6 +638,7 @@ bool Device::work() {
 
 void Device::call_out(const FrameResult& result) {
   std::vector<guide::Prompt> prompts;
+  std::optional<service::Aim> aim;
   {
     const std::scoped_lock lock(mutex_);
     const auto view = host_.view_for(who_);
@@ -645,7 +646,10 @@ void Device::call_out(const FrameResult& result) {
     // it knows the goal, and whether they are to walk. Told again and again to who stands before a
     // thing or turns, it would break off every sentence that says what to do.
     std::vector<guide::Prompt> of_guide;
-    if (led_) of_guide = led_->after(result, view);
+    if (led_) {
+      of_guide = led_->after(result, view);
+      aim = led_->aim(result.t_ms);
+    }
     const bool tells_obstacles = !led_ || !led_->judges_obstacles();
     prompts = announcer_.after({*view, &result, settings_, result.t_ms}, tells_obstacles);
     std::erase_if(prompts, [&](const guide::Prompt& prompt) {
@@ -655,6 +659,7 @@ void Device::call_out(const FrameResult& result) {
     std::ranges::move(of_guide, std::back_inserter(prompts));
   }
   say(prompts, {}, result.t_ms);
+  if (aim) send(*aim);
 }
 
 // ---- recording ----

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <functional>
 #include <future>
 #include <mutex>
@@ -10,6 +11,9 @@
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/live/frame_workers.h"
+#include "roomwise/pipeline/mapping/map_recording.h"
+#include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/pipeline/testing/synthetic_walk.h"
 
 namespace roomwise::live {
 namespace {
@@ -510,6 +514,86 @@ TEST_F(DeviceBeforeAWallTest, ItIsToldNowAndThenAndWhenItComesNearer) {
   EXPECT_EQ(hazards(20500, 500), 1) << "after a while";
   for (double t_ms = 21000; t_ms < 24000; t_ms += 500) EXPECT_EQ(hazards(t_ms, kFar_mm), 0);
   EXPECT_EQ(hazards(24000, 800), 1) << "was gone";
+}
+
+// A home whose pictures have places on its map, with free floor all around.
+class DeviceWithPlacesTest : public DeviceTest {
+ protected:
+  DeviceWithPlacesTest() {
+    const testing::ScratchFolder folder;
+    ThreadPool pool(2);
+    SilentProgress progress;
+    StageClock clock;
+    pipeline::RunContext run{pool, progress, clock};
+    home::Home home = pipeline::create_home(folder / "a.home").value();
+    const pipeline::Networks none;
+    pipeline::testing::SyntheticWalk walk(kFrames);
+    const geometry::PinholeCamera camera = walk.info().camera;
+    EXPECT_OK(pipeline::map_recording(
+        walk, {"walk", "made up", camera, walk.info().frames_remaining}, home, none, {}, run));
+    LiveMap map;
+    map.localizer = std::make_shared<const pipeline::HomeLocalizer>(
+        pipeline::HomeLocalizer::create(home, {}, run).value());
+    map.floor.emplace(Eigen::Vector2d(-6, -6), 0.05,
+                      image::Image<fusion::FloorCell>(240, 240, fusion::FloorCell::kFree));
+    host.home->map = std::make_shared<const LiveMap>(std::move(map));
+    service::Hello with_camera = hello();
+    with_camera.camera = service::DeviceCamera{camera.width, camera.height, camera, false};
+    say(with_camera);
+  }
+  [[nodiscard]] static image::ColorImage picture() {
+    pipeline::testing::SyntheticWalk walk(kFrames);
+    walk.skip_before(21);
+    return walk.next().value().value().color;
+  }
+  struct Told {
+    std::optional<service::Aim> aim;
+    std::optional<service::Seen> seen;
+  };
+  Told look_at(const image::ColorImage& color, double t_ms) {
+    const Bytes jpeg = image::encode_jpeg(color, 95);
+    device->on_message(write(service::FrameMessage{t_ms, jpeg, {}}));
+    wire->texts.clear();
+    device->work();
+    Told told;
+    for (const std::string& text : std::exchange(wire->texts, {})) {
+      const auto message = service::read_home_message(text).value();
+      if (const auto* aim = std::get_if<service::Aim>(&message)) {
+        EXPECT_FALSE(told.seen) << "what was seen comes last";
+        told.aim = *aim;
+      }
+      if (const auto* seen = std::get_if<service::Seen>(&message)) told.seen = *seen;
+    }
+    return told;
+  }
+
+  static constexpr int kFrames = 60;
+};
+
+TEST_F(DeviceWithPlacesTest, WhoIsLedAndCloseToItIsToldWhereTheGoalIsWithEachPictureThatHasAPlace) {
+  const Told first = look_at(picture(), 1000);
+  ASSERT_TRUE(first.seen && first.seen->position);
+  EXPECT_FALSE(first.aim) << "nobody is led";
+  const service::SeenPosition& here = *first.seen->position;
+  const double heading_rad = here.heading_degrees * guide::kDegree_rad;
+  guide::KnownThing mug;
+  mug.name = "mug";
+  mug.probability = 0.99;
+  mug.position_gravity = Eigen::Vector3d(here.x_m + 1.2 * std::cos(heading_rad),
+                                         here.y_m + 1.2 * std::sin(heading_rad), 1);
+  mug.box_keyframe.size_m = {0.1, 0.1, 0.1};
+  host.home->things = {mug};
+  ask(1, 1100, service::Question::kTakeMeTo, "mug");
+  double t_ms = 1200;
+  Told told;
+  for (; !told.aim && t_ms < 20'000; t_ms += 400) told = look_at(picture(), t_ms);
+  ASSERT_TRUE(told.aim);
+  EXPECT_EQ(told.aim->t_ms, t_ms - 400);
+  EXPECT_NEAR(told.aim->distance_m, 1.15, 0.05);
+  EXPECT_NEAR(told.aim->bearing_degrees, 0, 5);
+  told = look_at(image::ColorImage(picture().width(), picture().height()), t_ms);
+  ASSERT_TRUE(told.seen && !told.seen->position);
+  EXPECT_FALSE(told.aim);
 }
 
 TEST_F(DeviceTest, AQuestionInWordsIsAnsweredAsByItsButton) {

@@ -160,6 +160,14 @@ std::vector<guide::Prompt> LedWalk::after(const FrameResult& result,
   return {*std::move(prompt)};
 }
 
+std::optional<service::Aim> LedWalk::aim(double taken_t_ms) const {
+  constexpr double kValid_ms = 1000;  // who turns has turned away by then
+  const auto aim = guidance_->aim();
+  if (!aim) return std::nullopt;
+  return service::Aim{taken_t_ms, aim->bearing_rad / guide::kDegree_rad, aim->distance_m,
+                      taken_t_ms + kValid_ms};
+}
+
 guide::Prompt LedWalk::hear(service::GuideWish wish, double now_t_ms) {
   using service::GuideWish;
   const auto request = [&] {

@@ -28,6 +28,8 @@ class LedWalk {
   // The way from where somebody stands then, whatever has been walked.
   [[nodiscard]] guide::Plan plan_from(const Situation& situation) const;
   [[nodiscard]] bool is_over() const { return guidance_->is_over(); }
+  // By the picture that was looked at last, of that time (guide::Guidance).
+  [[nodiscard]] std::optional<service::Aim> aim(double taken_t_ms) const;
   // Of what is in the way (guide::Guidance).
   [[nodiscard]] bool judges_obstacles() const { return guidance_->judges_obstacles(now_ns_); }
 

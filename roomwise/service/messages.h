@@ -205,6 +205,14 @@ struct Seen {
   std::optional<SeenPosition> position;
 };
 
+// Where the goal is of who is led and about to touch it.
+struct Aim {
+  double t_ms = 0;             // of the picture that tells it
+  double bearing_degrees = 0;  // from the camera's axis, positive to the left
+  double distance_m = 0;
+  double valid_until_t_ms = 0;
+};
+
 struct PromptMessage {
   std::optional<std::int64_t> answer_to;
   std::string key, message, text, language, priority, confidence, sound, because;
@@ -245,7 +253,7 @@ struct ErrorMessage {
 };
 
 // What a device needs to understand; the rest is for pages.
-using HomeMessage = std::variant<Welcome, FrameArrived, Seen, PromptMessage, RecordingState,
+using HomeMessage = std::variant<Welcome, FrameArrived, Seen, Aim, PromptMessage, RecordingState,
                                  JobState, DeviceSeen, ErrorMessage>;
 
 [[nodiscard]] std::string write(const HomeMessage& message);

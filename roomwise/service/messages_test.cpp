@@ -135,6 +135,11 @@ TEST(Messages, WhatTheComputerSaysComesBack) {
   ASSERT_TRUE(seen_back.position);
   EXPECT_EQ(seen_back.position->heading_degrees, 90);
 
+  const Aim aim_back = read_back_home<Aim>(Aim{12.5, -30, 0.75, 1012.5});
+  EXPECT_EQ(aim_back.bearing_degrees, -30);
+  EXPECT_EQ(aim_back.distance_m, 0.75);
+  EXPECT_EQ(aim_back.valid_until_t_ms, 1012.5);
+
   PromptMessage prompt;
   prompt.answer_to = 7;
   prompt.text = "You are in the kitchen.";
@@ -183,7 +188,7 @@ TEST(Messages, AreAsTheSchemaSays) {
         write(DeviceMessage(SettingsChange{"de", Distances::kSteps, 0.6, true})),
         write(DeviceMessage(Quiet{true})), write(HomeMessage(Welcome{})),
         write_home_changed(Welcome{}), write(HomeMessage(FrameArrived{})), write(HomeMessage(seen)),
-        write(HomeMessage(prompt)), write(HomeMessage(RecordingState{})),
+        write(HomeMessage(Aim{})), write(HomeMessage(prompt)), write(HomeMessage(RecordingState{})),
         write(HomeMessage(JobState{})), write(HomeMessage(DeviceSeen{3, "a", true, seen})),
         write(HomeMessage(ErrorMessage{}))}) {
     const auto message = nlohmann::json::parse(written);

@@ -121,7 +121,7 @@ TEST(InstructionTest, IsWhatWordsAndNumbersSay) {
                         wording);
     };
     EXPECT_EQ(heard("guide.turn_left").turn_rad, std::numbers::pi / 2);
-    const Instruction hour = heard("guide.turn_hour", {{"hour", "4"}});
+    const Instruction hour = heard("guide.turn_hour_right", {{"hour", "4"}});
     EXPECT_EQ(hour.kind, Kind::kTurn);
     EXPECT_NEAR(hour.turn_rad, -std::numbers::pi * 2 / 3, 1e-9);
     const Instruction walk =

@@ -1,5 +1,7 @@
 // Short sounds before the words, told apart by contour and length, not by pitch alone.
 import type { Sound } from '../shared/protocol';
+import type { Pulse } from './aim';
+import type { QueuedPrompt } from './prompt_queue';
 
 export interface Note {
   at: number; // seconds after the beginning
@@ -8,6 +10,8 @@ export interface Note {
   to: number; // glides there
   wave: OscillatorType;
 }
+
+const kPulseS = 0.06;
 
 const note = (at: number, length: number, from: number, to = from, wave: OscillatorType = 'sine'): Note => ({
   at, for: length, from, to, wave,
@@ -32,12 +36,20 @@ const kVibrations: Record<Sound, readonly number[]> = {
   alert: [120, 60, 120, 60, 120],
 };
 
+// Of who is led, to be told apart by the hand alone; also in a pocket.
+const kGuideVibrations: readonly [RegExp, readonly number[]][] = [
+  [/^guide\.(turn|turn_hour|little)_left$/, [240, 100, 60]],
+  [/^guide\.(turn|turn_hour|little)_right$/, [60, 100, 240]],
+  [/^(guide\.(stop|off|lost)|device\.connection_lost_led$)/, [400, 100, 400]],
+  [/^guide\.there_(ahead|behind|left|right|room)$/, [60, 60, 60, 60, 60, 60, 400]],
+];
+
 export function notesOf(sound: Sound): readonly Note[] {
   return kNotes[sound];
 }
 
-export function vibrationOf(sound: Sound): readonly number[] {
-  return kVibrations[sound];
+export function vibrationOf({ sound, message = '' }: Pick<QueuedPrompt, 'sound' | 'message'>): readonly number[] {
+  return kGuideVibrations.find(([pattern]) => pattern.test(message))?.[1] ?? kVibrations[sound];
 }
 
 export function lengthMs(sound: Sound): number {
@@ -65,7 +77,14 @@ export class Earcons {
     return lengthMs(sound);
   }
 
-  private playNote(context: AudioContext, one: Note): void {
+  // One of the last metre's pulses.
+  pulse({ from, to, pan }: Pick<Pulse, 'from' | 'to' | 'pan'>): void {
+    if (this.context?.state === 'running') {
+      this.playNote(this.context, note(0, kPulseS, from, to), pan);
+    }
+  }
+
+  private playNote(context: AudioContext, one: Note, pan = 0): void {
     const begin = context.currentTime + one.at;
     const end = begin + one.for;
     const oscillator = context.createOscillator();
@@ -78,15 +97,16 @@ export class Earcons {
     gain.gain.linearRampToValueAtTime(loudness, begin + 0.01);
     gain.gain.setValueAtTime(loudness, end - 0.03);
     gain.gain.linearRampToValueAtTime(0, end);
-    oscillator.connect(gain).connect(context.destination);
+    const panner = context.createStereoPanner();
+    panner.pan.value = pan;
+    oscillator.connect(gain).connect(panner).connect(context.destination);
     oscillator.start(begin);
     oscillator.stop(end);
   }
 }
 
 // iOS has no vibration for pages: it is an addition and never the only sign.
-export function vibrate(sound: Sound): void {
-  const pattern = kVibrations[sound];
+export function vibrate(pattern: readonly number[]): void {
   if (pattern.length > 0 && 'vibrate' in navigator) {
     navigator.vibrate([...pattern]);
   }

@@ -1,6 +1,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
+import { messages } from '../../../roomwise/guide/messages/en.json';
 import type { Sound } from '../shared/protocol';
 import { lengthMs, notesOf, vibrationOf } from './earcons';
 
@@ -14,9 +15,32 @@ function contour(sound: Sound): string {
     .join(' ');
 }
 
-test('no two sounds have the same contour, nor the same vibration', () => {
+// Short, middling or long, a letter each: what a hand can tell.
+const rhythm = (vibration: readonly number[]): string =>
+  vibration.filter((_, i) => i % 2 === 0).map((ms) => (ms < 100 ? 's' : ms < 200 ? 'm' : 'l')).join('');
+
+test('no two sounds have the same contour', () => {
   assert.equal(new Set(kSounds.map(contour)).size, kSounds.length);
-  assert.equal(new Set(kSounds.map((sound) => vibrationOf(sound).join())).size, kSounds.length);
+});
+
+test('left, right, stop and arrival feel different from each other and from every sound', () => {
+  const feels = (message: string, sound: Sound = 'none'): string => {
+    assert.ok(message in messages, message);
+    return rhythm(vibrationOf({ sound, message }));
+  };
+  const told = ['guide.turn_left', 'guide.turn_right', 'guide.stop', 'guide.there_ahead'].map((message) => feels(message));
+  assert.deepEqual(told, ['ls', 'sl', 'll', 'sssl']);
+  const sounds = kSounds.map((sound) => feels('room.is', sound));
+  assert.equal(new Set([...told, ...sounds]).size, told.length + kSounds.length, sounds.join());
+  for (const [like, messages] of Object.entries({
+    'guide.turn_left': ['guide.turn_hour_left', 'guide.little_left'], 'guide.turn_right': ['guide.turn_hour_right', 'guide.little_right'],
+    'guide.stop': ['guide.stop_obstacle', 'guide.stop_door', 'guide.off', 'guide.lost', 'guide.lost_wait', 'device.connection_lost_led'],
+    'guide.there_ahead': ['guide.there_left', 'guide.there_room'],
+  })) {
+    messages.forEach((message) => assert.equal(feels(message, 'alert'), feels(like), message));
+  }
+  assert.equal(feels('guide.soon_left'), '', 'it is not yet time to turn');
+  assert.equal(feels('guide.there_unseen'), '', 'perhaps it is something else');
 });
 
 test('sounds are short, and silence has none', () => {

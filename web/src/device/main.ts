@@ -2,11 +2,12 @@
 import { ApiError, request } from '../shared/api';
 import { at } from '../shared/base';
 import { byId, h, replaceChildren } from '../shared/dom';
-import type { Language, Me, Sound } from '../shared/protocol';
+import type { Language, Me } from '../shared/protocol';
 import { chooseLanguage, language, text } from '../shared/texts';
 import { Camera, type CameraFailure } from '../shared/camera';
+import { AimPlayer } from './aim';
 import { openChoice } from './choice_dialog';
-import { Earcons, vibrate } from './earcons';
+import { Earcons, vibrate, vibrationOf } from './earcons';
 import { goalCalled } from './goals';
 import { keepAwake } from './keep_awake';
 import { hasLocalVoice, localVoice } from './local_voices';
@@ -14,6 +15,7 @@ import { localHearing } from './local_hearing';
 import { ownNotice, ownPrompt } from './own_prompt';
 import { Phone } from './phone';
 import { PromptPlayer } from './prompt_player';
+import type { QueuedPrompt } from './prompt_queue';
 import { openSpots } from './spots_dialog';
 import { SaidLog } from './said_log';
 import { loadSettings, rememberPaired, saveSettings, wasPaired } from './settings';
@@ -37,12 +39,26 @@ const readerVoice = new ScreenReaderVoice(log);
 const video = h('video', { class: 'preview', playsinline: true, muted: true, 'aria-hidden': 'true', tabindex: '-1' });
 video.muted = true;
 const camera = new Camera(video);
+const after = (ms: number, run: () => void): void => void window.setTimeout(run, ms);
 const player = new PromptPlayer({
   now: () => performance.now(),
   speaker: (prompt) => speakerFor(prompt.language),
   sound,
-  after: (ms, run) => void window.setTimeout(run, ms),
+  after,
   lostAnswer: (now) => ownPrompt('device.failed', now, 'answer'),
+});
+const aims = new AimPlayer({
+  now: () => performance.now(),
+  after,
+  isSilent: () => player.isSilent,
+  play: (pulse) => {
+    if (settings.sounds) {
+      earcons.pulse(pulse);
+    }
+    if (settings.vibration) {
+      vibrate([pulse.buzzMs]);
+    }
+  },
 });
 let isLeaving = false;
 let toldOfNoVoice = false;
@@ -117,6 +133,7 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
     failed: (why) => phone.say(why === 'refused' ? 'device.microphone_refused' : 'device.not_understood', 'answer'),
   });
   phone.whenAsked = () => speak.stop();
+  phone.whenAimed = (aim) => (aim !== null && settings.aim ? aims.hear(aim) : aims.stop());
   void localHearing(language(), navigator.languages).then((hearing) => speak.offer(hearing));
   const nameThing = (): void => openTeach((thing, isPrivate) =>
     phone.ask({ question: 'name_thing', thing, ...(isPrivate ? { private: true } : {}) }));
@@ -163,11 +180,11 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
   keepAwake(camera, cameraFailed);
 }
 
-function sound(which: Sound): number {
+function sound(prompt: QueuedPrompt): number {
   if (settings.vibration) {
-    vibrate(which);
+    vibrate(vibrationOf(prompt));
   }
-  return settings.sounds ? earcons.play(which) : 0;
+  return settings.sounds ? earcons.play(prompt.sound) : 0;
 }
 
 function speaksItself(spoken: Language): boolean {
@@ -191,6 +208,7 @@ function tellOfNoVoice(): void {
 
 async function settingsChanged(phone: Phone): Promise<void> {
   saveSettings(window.localStorage, settings);
+  aims.stop();
   phone.settingsChanged();
   if (settings.voice === 'own') {
     ownVoice.prime(language()); // it may not have been, and this is a tap

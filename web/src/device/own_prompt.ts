@@ -24,7 +24,7 @@ const kValidMs = 10_000;
 export function ownPrompt(key: SpokenKey, now: number, priority: Priority = 'notice'): QueuedPrompt {
   const sound = kSounds[key] ?? 'answer';
   // News of the connection replace older ones, and so on.
-  return { ...ownNotice(key.split('_')[0] ?? key, spokenText(key), now), priority, sound };
+  return { ...ownNotice(key.split('_')[0] ?? key, spokenText(key), now), priority, sound, message: key };
 }
 
 export function ownNotice(key: string, text: string, now: number): QueuedPrompt {

@@ -2,7 +2,7 @@
 import { browserSession } from '../shared/browser_session';
 import { frameEnvelope } from '../shared/frame_envelope';
 import {
-  kProtocolVersion, type FromComputer, type Hello, type Job, type Me, type Priority, type Prompt, type Question, type RecordingState,
+  kProtocolVersion, type Aim, type FromComputer, type Hello, type Job, type Me, type Priority, type Prompt, type Question, type RecordingState,
   type ThingInRooms, type Welcome,
 } from '../shared/protocol';
 import type { Session } from '../shared/session';
@@ -76,6 +76,7 @@ export class Phone {
   whenJob: (job: Job) => void = () => undefined;
   whenShown: () => void = () => undefined; // enough of a thing to name it
   whenAsked: () => void = () => undefined; // before any question is: who listens ends that
+  whenAimed: (aim: Aim | null) => void = () => undefined; // null: what was told before holds no longer
 
   constructor(
     private readonly me: Me | null,
@@ -106,6 +107,7 @@ export class Phone {
 
   ask(question: Question): void {
     this.whenAsked();
+    this.whenAimed(null);
     this.player.withdrawAnswers();
     const now = performance.now();
     const again = this.ledAgain.wish(question);
@@ -216,6 +218,9 @@ export class Phone {
       case 'seen':
         this.leadOn(this.ledAgain.seen(message.position !== null, performance.now()));
         return;
+      case 'aim':
+        this.whenAimed(this.state.led ? message : null);
+        return;
       case 'prompt':
         this.tellPrompt(message);
         break;
@@ -298,6 +303,7 @@ export class Phone {
     this.sender.reset();
     this.answers.reset();
     this.connection.offline(performance.now());
+    this.whenAimed(null);
     if (wasOnline && this.ledAgain.lost()) {
       this.player.withdrawAnswers(); // words of a computer that is gone: nobody is to walk by them
       this.tellConnection(this.connection.gone());

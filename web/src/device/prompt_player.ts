@@ -1,12 +1,11 @@
 // Carries out what the queue decides: the sound first, then the words, by the speaker that was chosen.
-import type { Sound } from '../shared/protocol';
 import { PromptQueue, type QueuedPrompt } from './prompt_queue';
 import type { Speaker } from './speaker';
 
 export interface PlayerParts {
   now: () => number;
   speaker: (prompt: QueuedPrompt) => Speaker;
-  sound: (sound: Sound) => number; // plays it; gives its length in milliseconds
+  sound: (prompt: QueuedPrompt) => number; // plays it; gives its length in milliseconds
   after: (ms: number, run: () => void) => void;
   lostAnswer: (now: number) => QueuedPrompt; // said instead of an answer that came too late
 }
@@ -49,6 +48,11 @@ export class PromptPlayer {
         this.breakOff();
       }
     }
+  }
+
+  // Nobody speaks, nor is listened to.
+  get isSilent(): boolean {
+    return this.queue.speaking === null && this.hazardComes === null;
   }
 
   // Nothing is said from now on, so that a microphone hears the person alone; what waits comes after `release`. A hazard
@@ -121,7 +125,7 @@ export class PromptPlayer {
         then();
       }
     };
-    this.parts.after(this.parts.sound(prompt.sound), () => {
+    this.parts.after(this.parts.sound(prompt), () => {
       if (mine === this.begun) {
         speaker.say(prompt, over);
       }

@@ -14,7 +14,7 @@ function makePlayer() {
   let stopped: () => void = () => undefined;
   const player = new PromptPlayer({
     now: () => world.now,
-    sound: (sound) => {
+    sound: ({ sound }) => {
       world.heard.push(`${world.now} (${sound})`);
       return 200;
     },
@@ -51,6 +51,19 @@ function makePlayer() {
 
 const prompt = (text: string, priority: Priority = 'answer'): QueuedPrompt => ({
   key: text, text, language: 'en', priority, sound: 'answer', valid_until_t: 1e9, answer_to: priority === 'answer' ? 1 : null,
+});
+
+test('it is silent when nobody speaks, nor is listened to', () => {
+  const { player, runTo } = makePlayer();
+  assert.equal(player.isSilent, true);
+  player.push(prompt('kitchen'));
+  assert.equal(player.isSilent, false, 'the sound of it comes first');
+  runTo(2300);
+  assert.equal(player.isSilent, true);
+  player.hold(() => undefined);
+  assert.equal(player.isSilent, false);
+  player.release();
+  assert.equal(player.isSilent, true);
 });
 
 test('the sound comes before the words, and prompts follow each other', () => {

@@ -16,7 +16,7 @@ import type { Priority, Prompt } from '../shared/protocol';
 export type QueuedPrompt = Pick<
   Prompt,
   'key' | 'text' | 'language' | 'priority' | 'sound' | 'valid_until_t'
-> & Partial<Pick<Prompt, 'answer_to'>>; // a guide also speaks by itself, as urgently as it answers
+> & Partial<Pick<Prompt, 'answer_to' | 'message'>>; // a guide also speaks by itself, as urgently as it answers
 
 export const kCalloutGapMs = 750;
 export const kSameCalloutMs = 60_000;

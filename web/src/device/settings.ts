@@ -10,10 +10,11 @@ export interface Settings {
   callouts: boolean;
   sounds: boolean;
   vibration: boolean;
+  aim: boolean; // tone and vibration of the last metre
 }
 
 export const kDefaults: Settings = {
-  voice: null, rate: 1, distances: 'metres', step_m: 0.7, callouts: true, sounds: true, vibration: true,
+  voice: null, rate: 1, distances: 'metres', step_m: 0.7, callouts: true, sounds: true, vibration: true, aim: true,
 };
 export const kRates = { least: 0.5, most: 3 };
 export const kSteps = { least: 0.3, most: 1.2 };
@@ -49,7 +50,7 @@ export function settingsFrom(stored: string | null): Settings {
   } catch {
     // Not JSON.
   }
-  const flag = (name: 'callouts' | 'sounds' | 'vibration'): boolean =>
+  const flag = (name: 'callouts' | 'sounds' | 'vibration' | 'aim'): boolean =>
     typeof found[name] === 'boolean' ? found[name] : kDefaults[name];
   return {
     voice: found.voice === 'own' || found.voice === 'reader' ? found.voice : kDefaults.voice,
@@ -59,6 +60,7 @@ export function settingsFrom(stored: string | null): Settings {
     callouts: flag('callouts'),
     sounds: flag('sounds'),
     vibration: flag('vibration'),
+    aim: flag('aim'),
   };
 }
 

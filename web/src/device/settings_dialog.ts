@@ -30,6 +30,7 @@ export function openSettings(settings: Settings, actions: SettingsActions): void
     checkField(text('settings.sounds'), settings.sounds, set('sounds')).element,
     'vibrate' in navigator
       ? checkField(text('settings.vibration'), settings.vibration, set('vibration')).element : null,
+    checkField(text('settings.aim'), settings.aim, set('aim')).element,
     h('p', { 'aria-hidden': 'true' }, text('settings.language')),
     languageChoice(),
     h('p', {}, h('a', { href: `/help/manual/card.${language()}.html` }, text('settings.help'))),

@@ -34,6 +34,15 @@ export interface ThingInRooms {
   rooms: string[];
 }
 
+// Where the goal is of who is led and about to touch it.
+export interface Aim {
+  type: 'aim';
+  t: number; // of the picture that tells it
+  bearing_degrees: number; // from the camera's axis, positive to the left
+  distance_m: number;
+  valid_until_t: number;
+}
+
 export interface Welcome {
   type: 'welcome';
   version: number;
@@ -99,6 +108,7 @@ export interface DeviceSeen {
 
 export type FromComputer =
   | Prompt
+  | Aim
   | Welcome
   | RecordingState
   | Job

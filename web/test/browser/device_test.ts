@@ -74,6 +74,13 @@ function noCamera(): void {
   }
 }
 
+// window.felt: what the hand would feel.
+function keepVibrations(): void {
+  const felt: unknown[] = [];
+  Object.assign(window, { felt });
+  Object.defineProperty(navigator, 'vibrate', { value: (pattern: unknown) => felt.push(pattern) > 0 });
+}
+
 async function start(visit: Visit, voice: 'own' | 'reader'): Promise<void> {
   await visit.go('/device');
   await visit.sees('Who shall speak?');
@@ -162,13 +169,7 @@ test('without a voice on the phone the screen reader gets the words, and the pag
 }));
 
 test('what a sound tells, the hand feels', options, () => withServer(async (server) => {
-  const visit = await openVisit(server, {
-    role: 'device', size: kPhone, before: () => {
-      const felt: unknown[] = [];
-      Object.assign(window, { felt });
-      Object.defineProperty(navigator, 'vibrate', { value: (pattern: unknown) => felt.push(pattern) > 0 });
-    },
-  });
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: keepVibrations });
   await start(visit, 'reader');
   const feels = async (pattern: number[]): Promise<void> => {
     await visit.page.waitForFunction(
@@ -179,6 +180,8 @@ test('what a sound tells, the hand feels', options, () => withServer(async (serv
   await feels([120, 60, 120, 60, 120]);
   server.tell('device', makePrompt({ text: 'I am not sure.', sound: 'unsure' }));
   await feels([40, 80, 40]);
+  server.tell('device', makePrompt({ key: 'guide', message: 'guide.turn_hour_left', text: 'Turn to 10 o\'clock.', sound: 'none' }));
+  await feels([240, 100, 60]);
   await server.stop();
   await feels([300]);
   await server.start();
@@ -191,6 +194,43 @@ test('what a sound tells, the hand feels', options, () => withServer(async (serv
   server.tell('device', makePrompt({ key: 'stairs', text: 'Stop! Stairs.', priority: 'hazard', sound: 'alert' }));
   await visit.hears('Stop! Stairs.');
   assert.equal(await visit.page.evaluate(() => (window as unknown as { felt: unknown[] }).felt.length), isBefore);
+  await visit.close();
+}));
+
+test('close to the goal the hand feels pulses: of who is led alone, not while somebody speaks, and until something is asked', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: keepVibrations });
+  await start(visit, 'reader');
+  const pulses = (): Promise<number> =>
+    visit.page.evaluate(() => (window as unknown as { felt: unknown[] }).felt.filter((one) => JSON.stringify(one) === '[30]').length);
+  const aim = { type: 'aim', t: 0, bearing_degrees: -20, distance_m: 0.5, valid_until_t: 1e12 };
+  const picturesPass = (): Promise<void> => {
+    const { frames } = server.newest('device');
+    return until(() => server.newest('device').frames > frames + 4);
+  };
+  server.tell('device', aim);
+  await picturesPass();
+  assert.equal(await pulses(), 0, 'nobody is led');
+  await visit.press('Take me…');
+  await visit.press('microwave');
+  await visit.hears('Turn right');
+  server.tell('device', makePrompt({ key: 'guide', message: 'guide.walk', text: 'Straight on. '.repeat(40), sound: 'none' }));
+  await visit.hears('Straight on.');
+  server.tell('device', aim);
+  await picturesPass();
+  assert.equal(await pulses(), 0, 'somebody speaks');
+  await visit.press('Quiet'); // ends what is said
+  await visit.page.waitForFunction(() => (window as unknown as { felt: unknown[] }).felt.filter((one) => JSON.stringify(one) === '[30]').length >= 3, kWaiting);
+  await visit.press('Pause');
+  const felt = await pulses();
+  await picturesPass();
+  assert.equal(await pulses(), felt);
+  await visit.press('Settings');
+  await visit.tabTo('Tone and vibration close to the goal');
+  await visit.page.keyboard.press(' ');
+  await visit.page.keyboard.press('Escape');
+  server.tell('device', aim);
+  await picturesPass();
+  assert.equal(await pulses(), felt, 'it was turned off');
   await visit.close();
 }));
 
