@@ -3,6 +3,7 @@ import { h, replaceChildren } from '../shared/dom';
 import { icon } from '../shared/icons';
 import type { GuideWish } from '../shared/protocol';
 import { text } from '../shared/texts';
+import { Cover } from './cover';
 import type { PhoneState } from './phone';
 import type { SaidLog } from './said_log';
 
@@ -32,6 +33,8 @@ export class PhoneView {
   private readonly quiet: HTMLButtonElement;
   private readonly nameRoom: HTMLButtonElement;
   private readonly guide: HTMLElement;
+  private readonly lock: HTMLButtonElement; // against touches that nobody means
+  private readonly cover = new Cover(() => (this.guide.hidden ? this.element.querySelector<HTMLElement>('.tool.take') : this.lock)?.focus());
   private readonly record: HTMLButtonElement;
   private readonly teach: HTMLButtonElement;
   private readonly stop: HTMLButtonElement; // of a recording that goes on without its pictures
@@ -42,11 +45,12 @@ export class PhoneView {
     const question = (name: string, label: string, shape: Parameters<typeof icon>[0], run: () => void) =>
       h('button', { type: 'button', class: `question ${name}`, onclick: run }, icon(shape), h('span', {}, label));
     this.nameRoom = h('button', { type: 'button', class: 'tool', hidden: true, onclick: actions.nameRoom }, text('phone.name_room'));
+    this.lock = h('button', { type: 'button', class: 'tool', onclick: () => this.cover.close() }, text('guide.lock'));
     const wish = (name: GuideWish) =>
       h('button', { type: 'button', class: 'tool', onclick: () => actions.guide(name) }, text(`guide.${name}`));
     this.guide = h('section', { class: 'guide', hidden: true, 'aria-labelledby': 'guide-heading' },
       h('h2', { id: 'guide-heading', class: 'visually-hidden' }, text('guide.label')),
-      wish('next'), wish('how_far'), wish('blocked'), wish('pause'), wish('resume'), wish('end'));
+      wish('next'), wish('how_far'), wish('blocked'), wish('pause'), wish('resume'), wish('end'), this.lock);
     this.record = h('button', { type: 'button', class: 'tool', onclick: actions.record }, text('phone.record'));
     this.teach = h('button', { type: 'button', class: 'tool teach', onclick: actions.teach }, text('teach.begin'));
     this.stop = h('button', { type: 'button', class: 'tool', hidden: true, onclick: actions.stopRecording }, text('record.stop'));
@@ -77,12 +81,14 @@ export class PhoneView {
           this.record,
           this.teach,
           h('button', { type: 'button', class: 'tool', onclick: actions.settings }, text('phone.settings')))),
+      this.cover.top,
       h('main', {},
         h('section', { class: 'now', 'aria-label': text('phone.state') },
           h('ul', { class: 'chips' }, this.connection, this.camera), video),
         h('section', { class: 'answers', 'aria-labelledby': 'said-heading' },
           h('h2', { id: 'said-heading', class: 'visually-hidden' }, text('said.label')), log.element),
-        this.guide, this.questions, this.walk));
+        this.guide, this.questions, this.walk),
+      this.cover.bottom);
   }
 
   show(state: PhoneState): void {

@@ -234,6 +234,81 @@ test('close to the goal the hand feels pulses: of who is led alone, not while so
   await visit.close();
 }));
 
+test('in a pocket the page is locked: by keys it opens with Escape or two buttons, and focus comes back', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  await visit.press('Take me…');
+  await visit.press('microwave');
+  await visit.hears('Turn right');
+  const shown = (selector: string): Promise<boolean> => visit.page.$eval(selector, (one) => one.checkVisibility());
+  await visit.press('Lock screen');
+  assert.equal(await visit.focused(), 'Unlock');
+  const hint = await visit.page.evaluate(() => document.getElementById(document.activeElement?.getAttribute('aria-describedby') ?? '')?.innerText);
+  assert.match(hint ?? '', /^To unlock, press Unlock/);
+  assert.deepEqual([await shown('.bar'), await shown('.guide'), await shown('.questions')], [false, false, false]);
+  assert.equal(await visit.page.$eval('body', (body) => getComputedStyle(body).backgroundColor), 'rgb(0, 0, 0)');
+  await visit.assertAccessible('locked');
+  await visit.assertReflows();
+  const { frames } = server.newest('device');
+  await until(() => server.newest('device').frames > frames + 2); // it goes on seeing
+  server.tell('device', makePrompt({ key: 'guide', message: 'guide.walk', text: 'Straight on, 2 metres.', sound: 'none' }));
+  await visit.hears('Straight on, 2 metres.');
+  assert.ok((await visit.accessibleTexts()).includes('Straight on, 2 metres.'), 'a screen reader gets what is said');
+  await visit.page.keyboard.press('Enter');
+  assert.equal(await visit.focused(), 'Yes, unlock');
+  await visit.assertAccessible('asked once more');
+  await visit.page.keyboard.press('Enter');
+  assert.equal(await visit.focused(), 'Lock screen', 'focus comes back');
+  assert.equal(await shown('.questions'), true);
+  await visit.page.keyboard.press('Enter');
+  server.tell('device', makePrompt({ key: 'guide', message: 'guide.there_ahead', text: 'You are there.', sound: 'back' }));
+  await visit.hears('You are there.');
+  assert.equal(await shown('.bar'), false, 'whoever has arrived opens it themselves');
+  await visit.page.keyboard.press('Escape');
+  assert.equal(await visit.focused(), 'Take me…', 'nobody is led any more');
+  await visit.close();
+}));
+
+test('touches do not unlock it, but two in a row on its buttons', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  await visit.press('Take me…');
+  await visit.press('microwave');
+  await visit.press('Lock screen');
+  const { asked } = server.newest('device');
+  const questions = asked.length;
+  const isLocked = (): Promise<boolean> => visit.page.$eval('body', (body) => body.classList.contains('locked'));
+  const touch = async (name: string): Promise<void> => {
+    await visit.page.evaluate((words) => {
+      const button = [...document.querySelectorAll<HTMLElement>('.cover button')].find((one) => one.innerText === words && one.checkVisibility());
+      const { x, y, width, height } = (button as HTMLElement).getBoundingClientRect();
+      Object.assign(window, { target: { x: x + width / 2, y: y + height / 2, width, height } });
+    }, name);
+    const { x, y, width, height } = await visit.page.evaluate(() => (window as unknown as { target: DOMRect }).target);
+    assert.ok(width >= 44 && height >= 44, `${name} is ${width} by ${height}`);
+    await visit.page.mouse.click(x, y);
+  };
+  for (let y = 4; y < kPhone.height; y += 24) {
+    await visit.page.mouse.click(kPhone.width - 4, y);
+  }
+  assert.equal(await isLocked(), true);
+  await touch('Unlock');
+  assert.equal(await visit.focused(), 'Yes, unlock');
+  await visit.page.mouse.click(kPhone.width - 4, kPhone.height / 2);
+  assert.equal(await isLocked(), true);
+  assert.equal(await visit.focused(), 'Unlock', 'a touch elsewhere begins anew');
+  const places = await visit.page.$$eval('.cover button', (all) => all.map((one) => {
+    one.hidden = false;
+    return one.getBoundingClientRect().top;
+  }));
+  assert.ok((places[1] ?? 0) - (places[0] ?? 0) > kPhone.height / 2, `far apart: ${places.join()}`);
+  await touch('Unlock');
+  await touch('Yes, unlock');
+  assert.equal(await isLocked(), false);
+  assert.equal(asked.length, questions, 'nothing was asked meanwhile');
+  await visit.close();
+}));
+
 test('find: by typing and by the list; what is asked again is repeated', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'device', before: recordSpeech });
   await start(visit, 'reader');
