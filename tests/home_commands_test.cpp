@@ -11,6 +11,7 @@
 #include "made_up_recording.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/home/home.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/image/testing/exif_writer.h"
 #include "run_program.h"
@@ -221,6 +222,10 @@ TEST_F(HomeCommandsTest, OneDamagedPictureDoesNotCostTheMap) {
   map.emplace_back("--skip-damaged");
   const json mapped = result_of(map);
   EXPECT_EQ(mapped.at("placed"), kFrames - 1);
+  const json copied =
+      result_of({"record", "--source", path("damaged"), "-o", path("whole"), "--skip-damaged"});
+  EXPECT_EQ(copied.at("frames"), kFrames - 1);
+  EXPECT_THAT(copied.at("damaged").at(0).get<std::string>(), HasSubstr(picture));
   EXPECT_THAT(mapped.at("damaged").at(0).get<std::string>(), HasSubstr(picture));
 }
 
