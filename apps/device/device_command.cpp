@@ -200,7 +200,8 @@ void make_device_command(CLI::App& command, Context& context, OpenRecording open
   command.add_option("--buttons", options.buttons,
                      "Input device whose keys 1 to 5 ask too: where, around, the next goal (rooms, "
                      "marked places, the way out, things), repeat, quiet; held for 0.7 s: what "
-                     "comes next, blocked, lead me to the goal just named, pause or go on, end; "
+                     "comes next, blocked, lead me to the goal just named, pause or go on; for "
+                     "2 s: end; "
                      "/dev/input/eventN");
   add_setting(command, "--language", options.language, "en, de, es or fr");
   add_setting(command, "--distances", options.distances, "metres or steps",

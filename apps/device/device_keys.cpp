@@ -3,12 +3,14 @@
 #include <fcntl.h>
 #include <linux/input.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <ctime>
 #include <initializer_list>
 #include <optional>
 #include <utility>
@@ -123,25 +125,37 @@ void TypedKeys::end_name(bool given_up, std::vector<KeyRequest>& requests) {
   name_.clear();
 }
 
-std::vector<KeyRequest> ButtonEvents::take(std::span<const std::uint8_t> bytes) {
+double ButtonEvents::long_press_s(int key) {
+  return key == KEY_5 ? kEndPress_s : kLongPress_s;
+}
+
+std::vector<KeyRequest> ButtonEvents::take(std::span<const std::uint8_t> bytes,
+                                           TimestampNs now_ns) {
   rest_.insert(rest_.end(), bytes.begin(), bytes.end());
   std::vector<KeyRequest> requests;
   std::size_t at = 0;
   for (; at + sizeof(input_event) <= rest_.size(); at += sizeof(input_event)) {
     input_event event{};
     std::memcpy(&event, rest_.data() + at, sizeof event);
+    if (event.type == EV_SYN && event.code == SYN_DROPPED) down_s_.clear();  // maybe they went up
     if (event.type != EV_KEY) continue;
     const double at_s = static_cast<double>(event.input_event_sec) +
                         1e-6 * static_cast<double>(event.input_event_usec);
     if (event.value == 1) down_s_[event.code] = at_s;  // 2: is held
     if (event.value != 0) continue;
     const auto down = down_s_.extract(event.code);
-    if (down.empty()) continue;  // before anybody listened
-    const bool was_held = at_s - down.mapped() >= kLongPress_s;
+    if (down.empty()) continue;  // was heard of while it was held, or before anybody listened
+    const bool was_held = at_s - down.mapped() >= long_press_s(event.code);
     const auto kind = kind_of<int>(event.code, was_held ? kHeldButtons : kButtons);
     if (kind) requests.push_back({*kind, ""});
   }
   rest_.erase(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(at));
+  std::erase_if(down_s_, [&](const auto& down) {
+    const auto& [key, since_s] = down;
+    if (1e-9 * static_cast<double>(now_ns) - since_s < long_press_s(key)) return false;
+    if (const auto kind = kind_of<int>(key, kHeldButtons)) requests.push_back({*kind, ""});
+    return true;
+  });
   return requests;
 }
 
@@ -160,6 +174,9 @@ Expected<std::unique_ptr<DeviceKeys>> DeviceKeys::open(int keyboard,
       return fail("{}: cannot be read: {}; is the user in the group 'input'?", buttons.string(),
                   std::strerror(errno));
     }
+    // The clock of wait()'s times, which no step of the calendar's moves. A pipe has none.
+    int clock = CLOCK_MONOTONIC;
+    (void)::ioctl(keys->buttons_, EVIOCSCLOCKID, &clock);
   }
   termios settings{};
   if (::isatty(keyboard) == 1 && ::tcgetattr(keyboard, &settings) == 0) {
@@ -178,21 +195,25 @@ DeviceKeys::~DeviceKeys() {
 std::vector<KeyRequest> DeviceKeys::wait(int max_ms, TimestampNs now_ns) {
   // Descriptors below 0 are passed over.
   std::array<pollfd, 2> inputs{{{keyboard_, POLLIN, 0}, {buttons_, POLLIN, 0}}};
-  if (::poll(inputs.data(), inputs.size(), max_ms) <= 0) return typed_.take({}, now_ns);
+  const bool is_any = ::poll(inputs.data(), inputs.size(), max_ms) > 0;
   std::vector<KeyRequest> requests;
   const auto add = [&](std::vector<KeyRequest> more) {
     std::ranges::move(more, std::back_inserter(requests));
   };
-  if (inputs[0].revents != 0) {
+  if (!is_any) {
+    add(typed_.take({}, now_ns));
+  } else if (inputs[0].revents != 0) {
     if (const auto bytes = read_some(keyboard_)) {
       add(typed_.take({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, now_ns));
     } else {
       keyboard_ = -1;
     }
   }
-  if (inputs[1].revents != 0) {
+  if (!is_any || inputs[1].revents == 0) {
+    if (buttons_ >= 0) add(events_.take({}, now_ns));
+  } else {
     if (const auto bytes = read_some(buttons_)) {
-      add(events_.take(*bytes));
+      add(events_.take(*bytes, now_ns));
     } else {
       ::close(buttons_);
       buttons_ = -1;

@@ -86,17 +86,24 @@ class TypedKeys {
 
 // Events of a Linux input device (struct input_event), in pieces of any size: the keys 1 (where am
 // I), 2 (around me), 3 (find the next goal of the home), 4 (repeat), 5 (quiet), when they go up.
-// Held for kLongPress_s before: 1 (what comes next), 2 (the way is blocked), 3 (lead me to the goal
-// that was named), 4 (pause, go on), 5 (end).
+// As soon as they were held for kLongPress_s: 1 (what comes next), 2 (the way is blocked), 3 (lead
+// me to the goal that was named), 4 (pause, go on); for kEndPress_s: 5 (end), as who is led and
+// does not know of it loses most by that.
 class ButtonEvents {
  public:
   static constexpr double kLongPress_s = 0.7;
+  static constexpr double kEndPress_s = 2;
 
-  [[nodiscard]] std::vector<KeyRequest> take(std::span<const std::uint8_t> bytes);
+  // Also without bytes, to see that time passes, by the clock of the events.
+  [[nodiscard]] std::vector<KeyRequest> take(std::span<const std::uint8_t> bytes,
+                                             TimestampNs now_ns);
 
  private:
+  [[nodiscard]] static double long_press_s(int key);
+
   std::vector<std::uint8_t> rest_;
-  std::map<int, double> down_s_;  // of the keys that are held, by the device's clock: since when
+  // Of the keys that are held and were not heard of yet, by the device's clock: since when.
+  std::map<int, double> down_s_;
 };
 
 // Both, as they come in. While it lives, a terminal gives each key at once and does not show it.
@@ -110,7 +117,8 @@ class DeviceKeys {
   DeviceKeys(const DeviceKeys&) = delete;
   DeviceKeys& operator=(const DeviceKeys&) = delete;
 
-  // What was asked since the last call; waits for it, but no longer than so many milliseconds.
+  // What was asked since the last call; waits for it, but no longer than so many milliseconds. The
+  // time is that of the steady clock.
   [[nodiscard]] std::vector<KeyRequest> wait(int max_ms, TimestampNs now_ns);
 
  private:

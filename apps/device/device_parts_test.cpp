@@ -115,7 +115,7 @@ std::vector<KeyRequest> heard_of(const std::string& bytes) {
   for (std::size_t at = 0; at < bytes.size(); at += 7) {
     const std::string piece = bytes.substr(at, 7);
     std::ranges::move(
-        events.take({reinterpret_cast<const std::uint8_t*>(piece.data()), piece.size()}),
+        events.take({reinterpret_cast<const std::uint8_t*>(piece.data()), piece.size()}, 0),
         std::back_inserter(heard));
   }
   return heard;
@@ -131,10 +131,31 @@ TEST(ButtonEventsTest, AreHeardWhenTheyGoUp) {
 
 TEST(ButtonEventsTest, HeldTheyLeadPauseAndEnd) {
   EXPECT_THAT(heard_of(press(KEY_1, 0.9, 0.8) + press(KEY_2, 5, 0.8) + press(KEY_3, 6, 2) +
-                       press(KEY_4, 9, 0.8) + press(KEY_5, 10, 0.8) + press(KEY_A, 12, 1)),
+                       press(KEY_4, 9, 0.8) + press(KEY_5, 10, 2.1) + press(KEY_A, 13, 1)),
               ElementsAre(KeyRequest{Kind::kNext, ""}, KeyRequest{Kind::kBlocked, ""},
                           KeyRequest{Kind::kTakeFound, ""}, KeyRequest{Kind::kPauseOrGoOn, ""},
                           KeyRequest{Kind::kEnd, ""}));
+}
+
+// So that they feel it, and nobody ends what leads them by a long "quiet".
+TEST(ButtonEventsTest, HeldTheyAreHeardAtOnceAndTheEndTakesLonger) {
+  ButtonEvents events;
+  const auto take = [&](const std::string& bytes, double now_s) {
+    return events.take({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()},
+                       std::llround(now_s * kSecond));
+  };
+  EXPECT_THAT(take(event(KEY_4, 1, EV_KEY, 5), 5), IsEmpty());
+  EXPECT_THAT(take("", 5.6), IsEmpty());
+  EXPECT_THAT(take("", 5.75), ElementsAre(KeyRequest{Kind::kPauseOrGoOn, ""}));
+  EXPECT_THAT(take("", 6), IsEmpty());
+  EXPECT_THAT(take(event(KEY_4, 0, EV_KEY, 7), 7), IsEmpty()) << "was heard of";
+  EXPECT_THAT(take(press(KEY_5, 10, 1), 11), ElementsAre(KeyRequest{Kind::kQuiet, ""}));
+  EXPECT_THAT(take(event(KEY_5, 1, EV_KEY, 20), 21.9), IsEmpty());
+  EXPECT_THAT(take("", 22.1), ElementsAre(KeyRequest{Kind::kEnd, ""}));
+  EXPECT_THAT(take(press(KEY_2, 30, 0.1), 32), ElementsAre(KeyRequest{Kind::kAround, ""}))
+      << "was read late";
+  EXPECT_THAT(take(event(KEY_5, 1, EV_KEY, 40) + event(SYN_DROPPED, 0, EV_SYN, 40), 43), IsEmpty())
+      << "nobody knows that it is still held";
 }
 
 TEST(DeviceKeysTest, ReadsAnInputDevice) {

@@ -251,7 +251,7 @@ class DeviceSessionTest : public ::testing::Test {
     events[0].type = events[1].type = EV_KEY;
     events[0].code = events[1].code = static_cast<std::uint16_t>(key);
     events[0].value = 1;
-    events[1].input_event_sec = is_held ? 1 : 0;
+    events[1].input_event_sec = is_held ? 3 : 0;
     EXPECT_EQ(::write(buttons_, events.data(), sizeof events), ssize_t{sizeof events});
   }
   // What is asked as the one of that number, from 1 on.

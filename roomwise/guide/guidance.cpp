@@ -741,7 +741,8 @@ std::optional<Guidance::InTheWay> Guidance::in_the_way(const Pose& pose) const {
   const Vector2d towards = leg.to - pose.position_gravity;
   const double to_end_m = towards.norm();
   const Pose along{pose.position_gravity,
-                   to_end_m > kAtEnd_m ? std::atan2(towards.y(), towards.x()) : leg.heading_rad()};
+                   to_end_m > kAtEnd_m ? std::atan2(towards.y(), towards.x()) : leg.heading_rad(),
+                   pose.sigma_m};
   // Along what they stand at already they may go, not nearer.
   const double here_m = clearance_m(floor(), pose.position_gravity);
   const double narrow_m =
@@ -762,7 +763,7 @@ std::optional<Guidance::InTheWay> Guidance::in_the_way(const Pose& pose) const {
     }
     const auto obstacle = nearest_ahead(ahead, corridor);
     if (!obstacle) return std::nullopt;
-    return InTheWay{*obstacle, from.place_of(obstacle->ahead_left_m), on_map};
+    return InTheWay{*obstacle, from, on_map};
   };
   if (const auto unknown = nearest(along, line, false)) return unknown;
   const double checked_m = std::min(to_end_m, line.length_m);
@@ -774,6 +775,15 @@ std::optional<Guidance::InTheWay> Guidance::in_the_way(const Pose& pose) const {
     known = nearest(pose, facing, true);
   }
   return known;
+}
+
+// Of who faces so.
+ObstacleAhead::Side Guidance::InTheWay::side_by(const Pose& pose) const {
+  std::vector<Vector2d> ahead_left_m;
+  for (const Vector2d& one : seen.all) {
+    ahead_left_m.push_back(pose.ahead_left_of(from.place_of(one)));
+  }
+  return side_of(ahead_left_m);
 }
 
 std::optional<Prompt> Guidance::hazard(const Pose& pose, TimestampNs now_ns) {
@@ -796,12 +806,11 @@ std::optional<Prompt> Guidance::hazard(const Pose& pose, TimestampNs now_ns) {
   // Who was told that a door is closed has opened it, or it was open: what is ahead of them then is
   // its frame or its leaf, beside which they go on.
   const bool is_closed = is_at_door && !was_barred_here(pose);
-  const KnownThing* const thing = thing_at(obstacle->place_gravity, map_);
-  const bool is_sure = thing != nullptr && thing->is_sure(map_.today);
-  Prompt prompt = stop(
-      is_closed ? Phrase{"guide.stop_door"}
-                : obstacle_phrase("guide.stop_", obstacle->seen.side, is_sure ? thing : nullptr),
-      now_ns);
+  const KnownThing* const thing =
+      obstacle->is_on_map ? sure_thing_of(obstacle->seen, obstacle->from, map_) : nullptr;
+  Prompt prompt = stop(is_closed ? Phrase{"guide.stop_door"}
+                                 : obstacle_phrase("guide.stop_", obstacle->side_by(pose), thing),
+                       now_ns);
   prompt.priority = Priority::kHazard;
   if (is_at_door) {
     count_barred(pose);

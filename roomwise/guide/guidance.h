@@ -173,10 +173,11 @@ class Guidance {
   // What depth shows in the way, as seen along this leg, and whether the map knows it.
   struct InTheWay {
     ObstacleAhead seen;
-    Eigen::Vector2d place_gravity = Eigen::Vector2d::Zero();
+    Pose from;  // where they stand, along the leg
     bool is_on_map = false;
 
     [[nodiscard]] double ahead_m() const { return seen.ahead_left_m.x(); }
+    [[nodiscard]] ObstacleAhead::Side side_by(const Pose& pose) const;
   };
   [[nodiscard]] std::optional<InTheWay> in_the_way(const Pose& pose) const;
   [[nodiscard]] bool is_goal(const Eigen::Vector2d& obstacle) const;

@@ -125,7 +125,8 @@ class GuidanceTest : public ::testing::Test {
   std::optional<std::string> room_;
   std::optional<double> obstacle_m_;  // ahead of them, as broad as a body
   std::optional<double> depth_m_;     // straight ahead, wherever they are
-  bool sees_floor_ = false;           // what stands about them, as it is on the map
+  double sigma_m_ = 0.02;
+  bool sees_floor_ = false;  // what stands about them, as it is on the map
 };
 
 TEST_F(GuidanceTest, BeginsByWhereOneStandsAndThenOneActionAtATime) {
@@ -404,25 +405,66 @@ TEST_F(GuidanceTest, StopsBeforeWhatStandsInTheWayAndLeadsAroundIt) {
               AnyOf(StartsWith("guide.turn_hour_"), "guide.little_left", "guide.little_right"));
 }
 
-TEST_F(GuidanceTest, WhatTheMapHasInTheWayIsNamedWithItsSide) {
-  grid_ = testing::Floor(140, 24).fill({50, 1}, {56, 11}, FloorCell::kOccupied).grid();
-  has_rooms_ = false;
-  KnownThing& table = things_.emplace_back();
-  table.name = "table";
-  table.probability = 0.9;
-  table.box_keyframe.size_m = {0.6, 1, 0.7};
-  table.position_gravity = Eigen::Vector3d(5.3, 0.6, 0.35);
-  KnownThing& rug = things_.emplace_back(table);
+// They walk past a table that the map knows, whose edge is at y = 1.1 m.
+class PastATable : public GuidanceTest {
+ protected:
+  PastATable() {
+    grid_ = testing::Floor(140, 24).fill({50, 1}, {56, 11}, FloorCell::kOccupied).grid();
+    has_rooms_ = false;
+    KnownThing& table = things_.emplace_back();
+    table.name = "table";
+    table.probability = 0.9;
+    table.box_keyframe.size_m = {0.6, 1, 0.7};
+    table.position_gravity = Eigen::Vector3d(5.3, 0.6, 0.35);
+  }
+  void walk_up_to_it() {
+    lead_to(bed_at({13, 1.6}, "hall"), {0.6, 1.6}, 0);
+    (void)hear(8);
+    while (place_.x() < 4.3) (void)hear(0.2, 0.6);
+  }
+  // Their right shoulder would touch it.
+  std::vector<std::string> drift_to_it() {
+    place_.y() = 1.1;
+    heading_rad_ = 0;
+    sees_floor_ = true;
+    return hear(0.6, 0.4);
+  }
+  // Of what the next picture shows there, as seen by who stands at (4.3, 1.6) and faces so.
+  std::string message_of(const Vector2d& obstacle, double heading_rad) {
+    Walker sees = walker();
+    sees.now_ns = sees.pose_ns = now_ns_ += kTick;
+    sees.pose = Pose{{4.3, 1.6}, heading_rad, 0.02};
+    sees.obstacles = {obstacle};
+    const auto prompt = guidance_->update(sees);
+    return prompt ? prompt->message : "";
+  }
+};
+
+TEST_F(PastATable, WhatTheMapHasInTheWayIsNamed) {
+  KnownThing& rug = things_.emplace_back(things_[0]);
   rug.name = "rug";
   rug.box_keyframe.size_m = {2, 2, 0.02};
   rug.position_gravity->z() = 0.01;
-  lead_to(bed_at({13, 1.6}, "hall"), {0.6, 1.6}, 0);
-  (void)hear(8);
-  while (place_.x() < 4.3) (void)hear(0.2, 0.6);
-  place_.y() = 1.1;  // their right shoulder would touch it
-  heading_rad_ = 0;
-  sees_floor_ = true;
-  EXPECT_THAT(hear(0.6, 0.4), ElementsAre("Stop: the table is in the way, on the right."));
+  walk_up_to_it();
+  EXPECT_THAT(drift_to_it(), ElementsAre("Stop: the table is in the way."));
+}
+
+TEST_F(PastATable, WithoutASurePlaceNothingIsNamed) {
+  walk_up_to_it();
+  sigma_m_ = 0.3;
+  EXPECT_THAT(drift_to_it(), ElementsAre("Stop. Something is in the way."));
+}
+
+TEST_F(PastATable, SomebodyBesideItIsNotNamedByIt) {
+  things_[0].box_keyframe.size_m.y() = 1.6;  // the box is larger than what was seen: to y = 1.4 m
+  walk_up_to_it();
+  EXPECT_EQ(message_of({5, 1.42}, 0), "guide.stop_obstacle_right");
+}
+
+TEST_F(PastATable, SidesAreThoseOfTheBody) {
+  walk_up_to_it();
+  // To the left of the line to the leg's end, but they face further to the left.
+  EXPECT_EQ(message_of({5.25, 1.71}, 0.25), "guide.stop_obstacle_right");
 }
 
 // Where nobody comes past: somebody who will go on.

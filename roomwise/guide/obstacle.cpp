@@ -134,21 +134,24 @@ Expected<std::vector<Vector2d>> obstacles_seen(const image::DepthImage& depth,
 
 std::optional<ObstacleAhead> nearest_ahead(std::span<const Vector2d> obstacles,
                                            const WalkingCorridor& corridor) {
-  std::vector<Vector2d> inside;
-  std::ranges::copy_if(obstacles, std::back_inserter(inside), [&](const Vector2d& place) {
+  ObstacleAhead obstacle;
+  std::ranges::copy_if(obstacles, std::back_inserter(obstacle.all), [&](const Vector2d& place) {
     return place.x() <= corridor.length_m && std::abs(place.y()) <= corridor.half_width_m;
   });
-  if (inside.empty()) return std::nullopt;
+  if (obstacle.all.empty()) return std::nullopt;
   const auto ahead_m = [](const Vector2d& place) { return place.x(); };
-  ObstacleAhead obstacle{*std::ranges::min_element(inside, {}, ahead_m)};
-  const double farthest_m = obstacle.ahead_left_m.x() + WalkingCorridor().half_width_m;
-  std::erase_if(inside, [&](const Vector2d& place) { return place.x() > farthest_m; });
-  const auto all_stand = [&](double side) {
-    return std::ranges::all_of(inside, [&](const Vector2d& place) { return side * place.y() > 0; });
-  };
-  using Side = ObstacleAhead::Side;
-  obstacle.side = all_stand(1) ? Side::kLeft : all_stand(-1) ? Side::kRight : Side::kAhead;
+  obstacle.ahead_left_m = *std::ranges::min_element(obstacle.all, {}, ahead_m);
+  obstacle.side = side_of(obstacle.all);
   return obstacle;
+}
+
+ObstacleAhead::Side side_of(std::span<const Vector2d> ahead_left_m) {
+  using Side = ObstacleAhead::Side;
+  const auto all_stand = [&](double side) {
+    return std::ranges::all_of(ahead_left_m,
+                               [&](const Vector2d& place) { return side * place.y() > kSquare_m; });
+  };
+  return all_stand(1) ? Side::kLeft : all_stand(-1) ? Side::kRight : Side::kAhead;
 }
 
 bool is_on_map(const Vector2d& obstacle, const fusion::FloorGrid& floor) {

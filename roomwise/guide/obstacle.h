@@ -47,13 +47,16 @@ struct WalkingCorridor {
   double length_m = 1.0;  // one or two steps
 };
 
-// What stands in a corridor: where its nearest place is, and on which side all of it stands that is
-// less than a shoulder's breadth behind that.
+// What stands in a corridor: where its nearest place is, on which side all of it stands, and all
+// places.
 struct ObstacleAhead {
   enum class Side { kAhead, kLeft, kRight };  // kAhead: in the middle, or on both sides
   Eigen::Vector2d ahead_left_m = Eigen::Vector2d::Zero();
   Side side = Side::kAhead;
+  std::vector<Eigen::Vector2d> all = {};  // m ahead and to the left
 };
+// A side where none of them is nearer to the middle than a square.
+[[nodiscard]] ObstacleAhead::Side side_of(std::span<const Eigen::Vector2d> ahead_left_m);
 // The nearest of them in the corridor; nothing where none stands there.
 [[nodiscard]] std::optional<ObstacleAhead> nearest_ahead(std::span<const Eigen::Vector2d> obstacles,
                                                          const WalkingCorridor& corridor = {});

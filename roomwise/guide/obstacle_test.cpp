@@ -180,10 +180,11 @@ TEST(ObstacleTest, IsOnASideWhereNoneOfItIsInTheMiddle) {
     return nearest_ahead(places).value().side;
   };
   EXPECT_EQ(side_of({{0.6, 0.25}, {0.7, 0.15}}), Side::kLeft);
-  EXPECT_EQ(side_of({{0.6, -0.25}, {0.7, -0.05}}), Side::kRight);
-  EXPECT_EQ(side_of({{0.6, -0.25}, {0.7, 0.05}}), Side::kAhead);
+  EXPECT_EQ(side_of({{0.6, -0.25}, {0.7, -0.15}}), Side::kRight);
+  EXPECT_EQ(side_of({{0.6, -0.25}, {0.6, -0.15}, {0.6, -0.05}}), Side::kAhead) << "half the body";
+  EXPECT_EQ(side_of({{0.6, 0.25}, {0.7, -0.25}}), Side::kAhead) << "on both sides";
   EXPECT_EQ(side_of({{0.6, 0.25}, {0.7, 0.5}, {0.7, -0.5}}), Side::kLeft) << "others are beside";
-  EXPECT_EQ(side_of({{0.5, 0.25}, {0.9, -0.1}}), Side::kLeft) << "what is far behind it";
+  EXPECT_EQ(side_of({{0.5, 0.25}, {0.85, 0}}), Side::kAhead) << "somebody stands behind it";
   EXPECT_EQ(nearest_ahead({}), std::nullopt);
 }
 

@@ -12,7 +12,7 @@ namespace roomwise::guide {
 enum class Priority {
   kHazard,   // may hurt: is spoken at once, over everything
   kAnswer,   // to a question
-  kNotice,   // of the device itself: the camera is dark, the connection is gone; or of what is near
+  kNotice,   // of the device itself: the camera is dark, the connection is gone
   kCallout,  // what nobody asked for: a room that was entered
 };
 

@@ -1,8 +1,9 @@
 #include "roomwise/guide/surfaces.h"
 
+#include <algorithm>
+#include <cmath>
 #include <tuple>
 
-#include "roomwise/guide/obstacle.h"
 #include "roomwise/objects/kinds/kinds.h"
 
 namespace roomwise::guide {
@@ -34,9 +35,7 @@ bool stands_on(const KnownThing& thing, const KnownThing& surface) {
   if (&thing == &surface || !thing.position_gravity) return false;
   const objects::Kind* const kind = objects::find_kind(thing.name);
   if (kind != nullptr && kind->stands_on_floor) return false;
-  const double middle_m = thing.position_gravity->z();
-  return middle_m > surface.position_gravity->z() &&
-         bottom_of_m(thing) <= top_of_m(surface) + kBoxError_m &&
+  return std::abs(bottom_of_m(thing) - top_of_m(surface)) <= kBoxError_m &&
          outline_of(surface).distance_m(thing.position_gravity->head<2>()) == 0;
 }
 
@@ -61,6 +60,18 @@ const KnownThing* thing_at(const Eigen::Vector2d& place_gravity, const HomeMap& 
     nearest = &thing;
   }
   return nearest;
+}
+
+const KnownThing* sure_thing_of(const ObstacleAhead& obstacle, const Pose& from,
+                                const HomeMap& map) {
+  if (map.floor == nullptr || from.sigma_m > kBoxError_m || obstacle.all.empty()) return nullptr;
+  const bool is_explained =
+      std::ranges::all_of(obstacle.all, [&](const Eigen::Vector2d& ahead_left_m) {
+        const Eigen::Vector2d place = from.place_of(ahead_left_m);
+        const KnownThing* const thing = thing_at(place, map);
+        return thing != nullptr && thing->is_sure(map.today) && is_on_map(place, *map.floor);
+      });
+  return is_explained ? thing_at(from.place_of(obstacle.ahead_left_m), map) : nullptr;
 }
 
 }  // namespace roomwise::guide

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "roomwise/guide/obstacle.h"
 #include "roomwise/guide/places.h"
 #include "roomwise/guide/plan.h"
 
@@ -11,8 +12,8 @@ namespace roomwise::guide {
 // Of a thing that has a place.
 [[nodiscard]] Outline outline_of(const KnownThing& thing);
 
-// What does not stand on the floor, and whose middle lies over the surface's box, no more than a
-// hand's breadth above it. `surface` has a place.
+// What does not stand on the floor, and whose middle lies over the surface's box, its bottom no
+// more than a hand's breadth from the top of that. `surface` has a place.
 [[nodiscard]] bool stands_on(const KnownThing& thing, const KnownThing& surface);
 
 // What the thing lies on; of several the one whose top is highest; nullptr: nothing is known.
@@ -22,5 +23,10 @@ namespace roomwise::guide {
 // What of the map stands there, give or take a hand's breadth: of what is between ankle and head
 // and does not lie on something else the nearest, else the largest. nullptr: nothing is known.
 [[nodiscard]] const KnownThing* thing_at(const Eigen::Vector2d& place_gravity, const HomeMap& map);
+
+// What the obstacle surely is that was seen from there: of the sure things of the map the nearest,
+// where the place is sure, too, and nothing in the corridor may be anything else. nullptr: it may.
+[[nodiscard]] const KnownThing* sure_thing_of(const ObstacleAhead& obstacle, const Pose& from,
+                                              const HomeMap& map);
 
 }  // namespace roomwise::guide

@@ -89,27 +89,13 @@ guide::Prompt where_am_i(const Situation& situation, const guide::Wording& wordi
   return excuse("route.no_place", wording, situation.now_t_ms);
 }
 
-// What depth shows in the way, and what of the map it is. What the map knows beside the way breaks
-// no answer off: it is a notice.
-guide::Prompt obstacle_prompt(const Situation& situation) {
-  constexpr double kMaxSigma_m = 0.1;  // else it may be the thing beside it
+// What of the map it surely is that depth shows in the way.
+const guide::KnownThing* sure_thing_ahead(const Situation& situation) {
   const FrameResult& result = *situation.result;
-  const guide::ObstacleAhead& obstacle = *result.obstacle;
-  const bool is_placed = result.place && result.place->sigma_m <= kMaxSigma_m;
-  const guide::KnownThing* thing = nullptr;
-  bool is_on_map = false;
-  if (is_placed) {
-    const Eigen::Vector2d place = result.place->on_floor().place_of(obstacle.ahead_left_m);
-    const guide::HomeMap map = map_of(situation.home, {});
-    thing = guide::thing_at(place, map);
-    if (thing != nullptr && !thing->is_sure(situation.today)) thing = nullptr;
-    is_on_map = thing != nullptr || (map.floor != nullptr && guide::is_on_map(place, *map.floor));
-  }
-  guide::Prompt prompt = guide::hazard_prompt(obstacle, thing, wording_of(situation.settings),
-                                              nanoseconds(result.t_ms));
-  const bool is_beside = obstacle.side != guide::ObstacleAhead::Side::kAhead;
-  if (is_on_map && is_beside) prompt.priority = guide::Priority::kNotice;
-  return prompt;
+  if (!result.place) return nullptr;
+  guide::HomeMap map = map_of(situation.home, {});
+  map.today = situation.today;
+  return guide::sure_thing_of(*result.obstacle, result.place->on_floor(), map);
 }
 
 // The way from where somebody stands to the nearest thing that they mean.
@@ -602,22 +588,23 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
   return {};
 }
 
-bool Announcer::is_obstacle_news(const FrameResult& result, bool is_hazard) {
+bool Announcer::is_obstacle_news(const FrameResult& result, bool is_named) {
+  using Side = guide::ObstacleAhead::Side;
   constexpr double kToldFor_s = 1.5;  // with each picture, so that it is heard if one is lost
   constexpr double kAgain_s = 12;     // who stands there hears whole sentences in between
   constexpr double kGone_s = 2;
   constexpr double kNearer_m = 0.25;
-  if (!result.obstacle) return false;
   const double t_s = result.t_ms / 1000;
   const double distance_m = result.obstacle->ahead_left_m.x();
+  const Side side = result.obstacle->side;
   const bool is_new = !obstacle_ || t_s - obstacle_->seen_s > kGone_s || t_s < obstacle_->told_s ||
                       t_s - obstacle_->told_s > kAgain_s ||
                       distance_m < obstacle_->told_m - kNearer_m ||
-                      (is_hazard && !obstacle_->was_hazard);
-  if (is_new) obstacle_ = Obstacle{t_s, t_s, distance_m, is_hazard};
+                      (obstacle_->was_named && !is_named) ||
+                      (obstacle_->side != Side::kAhead && obstacle_->side != side);
+  if (is_new) obstacle_ = Obstacle{t_s, t_s, distance_m, side, is_named};
   obstacle_->seen_s = t_s;
-  // What is no hazard would be spoken as often as it is sent.
-  return is_new || (is_hazard && t_s - obstacle_->told_s < kToldFor_s);
+  return t_s - obstacle_->told_s < kToldFor_s;
 }
 
 std::vector<guide::Prompt> Announcer::after(const Situation& situation, bool tells_obstacles) {
@@ -626,9 +613,10 @@ std::vector<guide::Prompt> Announcer::after(const Situation& situation, bool tel
   if (!tells_obstacles) {
     obstacle_.reset();
   } else if (result.obstacle) {
-    guide::Prompt prompt = obstacle_prompt(situation);
-    if (is_obstacle_news(result, prompt.priority == guide::Priority::kHazard)) {
-      prompts.push_back(std::move(prompt));
+    const guide::KnownThing* const thing = sure_thing_ahead(situation);
+    if (is_obstacle_news(result, thing != nullptr)) {
+      prompts.push_back(guide::hazard_prompt(
+          *result.obstacle, thing, wording_of(situation.settings), nanoseconds(result.t_ms)));
     }
   }
   const auto decision = decision_of(result, situation.home);

@@ -105,9 +105,9 @@ class Announcer {
   void answered(const Situation& situation, const std::vector<guide::Prompt>& prompts);
 
  private:
-  // Who stands before something hears of it when it comes, when it comes nearer or into their way,
-  // and now and then.
-  [[nodiscard]] bool is_obstacle_news(const FrameResult& result, bool is_hazard);
+  // Who stands before something hears of it when it comes, when it comes nearer, when the side or
+  // the name that they heard does not hold any more, and now and then.
+  [[nodiscard]] bool is_obstacle_news(const FrameResult& result, bool is_named);
 
   std::string room_now_;     // by the last glance; empty: not sure
   std::string room_called_;  // the last that was called out, or named by an answer
@@ -115,7 +115,8 @@ class Announcer {
   struct Obstacle {
     double told_s = 0, seen_s = 0;  // by the pictures' clock: first told, seen last
     double told_m = 0;              // how far it was then
-    bool was_hazard = false;
+    guide::ObstacleAhead::Side side = guide::ObstacleAhead::Side::kAhead;
+    bool was_named = false;
   };
   std::optional<Obstacle> obstacle_;
 };

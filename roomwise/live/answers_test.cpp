@@ -113,58 +113,85 @@ TEST_F(CallerTest, AnObstacleIsCalledOutWithEveryPictureThatShowsIt) {
   EXPECT_THAT(after(result), SizeIs(0));
 }
 
-// A table whose edge is 0.7 m ahead and to the left of who stands at the origin.
+// A table of the map, 0.75 m ahead of who stands at the origin, from 0.1 m on to the left.
 class CallerBesideATable : public CallerTest {
  protected:
   void SetUp() override {
     home.things = {thing("table", "kitchen", {1, 0.35, 0.25})};
+    image::Image<fusion::FloorCell> cells(120, 80, fusion::FloorCell::kFree);
+    for (int row = 42; row < 52; ++row) {
+      for (int column = 35; column < 45; ++column) {
+        cells.at(column, row) = fusion::FloorCell::kOccupied;
+      }
+    }
+    LiveMap map;
+    map.floor.emplace(Eigen::Vector2d(-1, -2), 0.05, cells);
+    home.map = std::make_shared<const LiveMap>(std::move(map));
     result = glance_in("kitchen", 0, rooms::Verdict::kNotSure);
     result.place = at_the_origin();
-    stands({0.7, 0.2}, guide::ObstacleAhead::Side::kLeft);
+    sees({{0.76, 0.25}, {0.76, 0.15}});
   }
-  void stands(const Eigen::Vector2d& ahead_left_m, guide::ObstacleAhead::Side side) {
-    result.obstacle = guide::ObstacleAhead{ahead_left_m, side};
+  void sees(const std::vector<Eigen::Vector2d>& ahead_left_m) {
+    result.obstacle = guide::nearest_ahead(ahead_left_m);
   }
-  guide::Prompt called(double after_ms) {
+  // The hazard that is told; every one is.
+  std::string called(double after_ms) {
     result.t_ms += after_ms;
     const auto prompts = after(result);
-    return prompts.empty() ? guide::Prompt() : prompts[0];
+    if (prompts.empty()) return "";
+    EXPECT_EQ(prompts[0].priority, guide::Priority::kHazard);
+    return prompts[0].text;
   }
 
   FrameResult result;
 };
 
-TEST_F(CallerBesideATable, WhatTheMapKnowsBesideTheWayBreaksNoAnswerOffAndIsToldOnce) {
-  const guide::Prompt beside = called(200);
-  EXPECT_EQ(beside.text, "Table ahead, to the left.");
-  EXPECT_EQ(beside.priority, guide::Priority::kNotice);
-  EXPECT_EQ(called(200).text, "");
-  stands({0.7, 0.05}, guide::ObstacleAhead::Side::kAhead);
-  const guide::Prompt ahead = called(200);
-  EXPECT_EQ(ahead.text, "Table ahead.") << "at once, for they have turned to it";
-  EXPECT_EQ(ahead.priority, guide::Priority::kHazard);
-  EXPECT_EQ(called(200).text, "Table ahead.");
+TEST_F(CallerBesideATable, WhatTheMapKnowsIsAHazardWithItsNameAndSide) {
+  EXPECT_EQ(called(200), "Table ahead, to the left.");
+  EXPECT_EQ(called(200), "Table ahead, to the left.") << "with each picture, as one may be lost";
+  EXPECT_EQ(called(5000), "");
+  sees({{0.76, 0.25}, {0.76, 0.15}, {0.76, 0.05}});
+  EXPECT_EQ(called(200), "Table ahead.") << "at once: it is to the left no more";
 }
 
-TEST_F(CallerBesideATable, WhatTheMapDoesNotKnowIsAHazardOnEverySide) {
+TEST_F(CallerBesideATable, WhatTheMapDoesNotKnowHasNoName) {
   home.things.clear();
-  const guide::Prompt beside = called(200);
-  EXPECT_EQ(beside.text, "Obstacle ahead, to the left.");
-  EXPECT_EQ(beside.priority, guide::Priority::kHazard);
+  EXPECT_EQ(called(200), "Obstacle ahead, to the left.");
+}
+
+TEST_F(CallerBesideATable, SomebodyBehindItIsToldAtOnceAndMakesItNameless) {
+  EXPECT_EQ(called(200), "Table ahead, to the left.");
+  EXPECT_EQ(called(5000), "");
+  sees({{0.76, 0.25}, {0.76, 0.15}, {0.9, -0.1}});
+  EXPECT_EQ(called(200), "Obstacle ahead.");
+  EXPECT_EQ(called(5000), "");
+  sees({{0.76, 0.25}, {0.76, 0.15}});
+  EXPECT_EQ(called(200), "") << "they heard of it";
+}
+
+TEST_F(CallerBesideATable, WhatTheFloorShowsButNoThingExplainsHasNoName) {
+  sees({{0.76, 0.25}, {0.68, -0.02}});  // a bin beside it
+  EXPECT_EQ(called(200), "Obstacle ahead.");
+}
+
+TEST_F(CallerBesideATable, WhatTheFloorDoesNotShowHasNoNameThoughABoxReachesThere) {
+  home.things[0].box_keyframe.size_m.x() = 1.5;
+  sees({{0.3, 0.25}});
+  EXPECT_EQ(called(200), "Obstacle ahead, to the left.");
 }
 
 TEST_F(CallerBesideATable, WithoutASurePlaceItMayBeAnythingElse) {
   result.place->sigma_m = 0.4;
-  EXPECT_EQ(called(200).text, "Obstacle ahead, to the left.");
+  EXPECT_EQ(called(200), "Obstacle ahead, to the left.");
   result.place.reset();
-  EXPECT_EQ(called(20'000).priority, guide::Priority::kHazard);
+  EXPECT_EQ(called(20'000), "Obstacle ahead, to the left.");
 }
 
 TEST_F(CallerBesideATable, WhatLiesOnItIsNotNamed) {
   home.things.push_back(thing("cup", "kitchen", {0.85, 0.2, 0.55}));
   home.things.back().box_keyframe.size_m = {0.1, 0.1, 0.1};
   home.things.push_back(thing("lamp", "kitchen", {0.7, 0.2, 2.3}));
-  EXPECT_EQ(called(200).text, "Table ahead, to the left.");
+  EXPECT_EQ(called(200), "Table ahead, to the left.");
 }
 
 TEST(Answers, TellTheWayToAThing) {

@@ -66,6 +66,13 @@ TEST_F(HomePromptsTest, OnATableIsWhatStandsOverItAndNotOnTheFloor) {
   EXPECT_THAT(on("table"), ElementsAre("I do not know yet where the table stands."));
 }
 
+TEST_F(HomePromptsTest, WhatIsInAThingIsNotOnIt) {
+  things_ = {standing("refrigerator", {2, 2, 0.9}, {0.6, 0.6, 1.8}),
+             standing("milk", {2, 2, 1.3}, {0.1, 0.1, 0.2}),
+             standing("vase", {2, 2, 1.92}, {0.1, 0.1, 0.2})};
+  EXPECT_THAT(on("refrigerator"), ElementsAre(::testing::HasSubstr(": vase.")));
+}
+
 TEST_F(HomePromptsTest, OfThingsItIsToldSinceWhenOneWasNotSeen) {
   things_ = {standing("table", {2, 2, 0.37}, {1.6, 0.8, 0.74}),
              standing("cup", {2.5, 2.2, 0.79}, {0.1, 0.1, 0.1}),
