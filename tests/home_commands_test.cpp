@@ -198,12 +198,12 @@ TEST_F(HomeCommandsTest, WhereSomebodyLivesIsNobodysBusiness) {
   const home::Home home = home::Home::open_read_only(path("told.home")).value();
   EXPECT_EQ(image::decode_color(home.images(0)->color).value(), image::decode_color(jpeg).value());
   EXPECT_EQ(result_of({"info", path("told")}).at("left_out"), all);
-  EXPECT_EQ(result_of({"record", "--source", path("told"), "-o", path("copy")}).at("left_out"),
+  EXPECT_EQ(result_of({"record", "--source", path("told"), "-o", path("told-copy")}).at("left_out"),
             all);
   EXPECT_EQ(
-      image::testing::secrets_in(read_file(path("copy/rgb/") + first_file("copy/rgb")).value()),
+      image::testing::secrets_in(read_file(path("told-copy/rgb/") + first_file("told-copy/rgb")).value()),
       "");
-  EXPECT_FALSE(result_of({"info", path("copy")}).contains("left_out"));
+  EXPECT_FALSE(result_of({"info", path("told-copy")}).contains("left_out"));
   const ProgramResult told = run_roomwise({"info", path("told")});
   EXPECT_THAT(told.output,
               HasSubstr("where it was recorded (GPS), the device's name, whose it is"));

@@ -15,7 +15,7 @@
 #include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/recording/association.h"
 #include "roomwise/recording/open_recording.h"
-#include "roomwise/recording/phone/personal_files.h"
+#include "roomwise/recording/personal_files.h"
 #include "roomwise/recording/room_labels.h"
 #include "roomwise/recording/tum_recording.h"
 

@@ -4,6 +4,7 @@
 
 #include "laboratory/simulation/home/ground_truth.h"
 #include "roomwise/home/testing/sample_home.h"
+#include "roomwise/image/codec.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/pipeline/testing/synthetic_walk.h"
 
@@ -33,6 +34,7 @@ class ChangeEvaluationTest : public ::testing::Test {
       for (home::Frame& frame : step.frames) frame.timestamp_ns = time_of(frame.index);
       step.keyframes[0].timestamp_ns = time_of(step.keyframes[0].frame_index);
       step.keyframes[0].pose.component = 0;
+      step.keyframes[0].images.color = picture_of(static_cast<int>(id));
       ROOMWISE_MUST(home_->commit(step));
     }
     std::filesystem::create_directories(mapped());
@@ -43,6 +45,9 @@ class ChangeEvaluationTest : public ::testing::Test {
       pose.world_from_camera = truth_from_world_ * pose.world_from_camera;
     }
     ROOMWISE_MUST(recording::write_trajectory(mapped() / "groundtruth.txt", truth));
+  }
+  static Bytes picture_of(int red) {
+    return image::encode_png(image::ColorImage(2, 2, {static_cast<std::uint8_t>(red), 0, 0}));
   }
   std::filesystem::path mapped() { return folder_ / "mapped"; }
   std::filesystem::path visit() { return folder_ / "visit"; }
@@ -235,7 +240,7 @@ TEST_F(ChangeEvaluationTest, ADoorIsWhereItsLeafStands) {
 }
 
 TEST_F(ChangeEvaluationTest, AHomeOfAnotherWalkIsRefused) {
-  ROOMWISE_MUST(write_file(mapped() / "0.png", std::string_view("another picture")));
+  ROOMWISE_MUST(write_file(mapped() / "0.png", picture_of(200)));
   EXPECT_ERROR(evaluate({}, {}), "was not mapped from");
 }
 

@@ -3,7 +3,7 @@
 
 #include "roomwise/live/live_home.h"
 #include "roomwise/recording/open_recording.h"
-#include "roomwise/recording/phone/personal_files.h"
+#include "roomwise/recording/personal_files.h"
 #include "roomwise/recording/phone/zip_unpack.h"
 
 // Recordings that somebody hands in as files.

@@ -8,7 +8,7 @@
 #include "roomwise/recording/camera_file.h"
 #include "roomwise/recording/data_lines.h"
 #include "roomwise/recording/odometry_file.h"
-#include "roomwise/recording/phone/personal_files.h"
+#include "roomwise/recording/personal_files.h"
 
 namespace roomwise::recording {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "roomwise/base/file.h"
 #include "roomwise/base/in_context.h"
-#include "roomwise/recording/phone/personal_files.h"
+#include "roomwise/recording/personal_files.h"
 
 namespace roomwise::recording {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "roomwise/image/codec.h"
+#include "roomwise/recording/personal_files.h"
 #include "roomwise/recording/phone/one_camera.h"
-#include "roomwise/recording/phone/personal_files.h"
 
 namespace roomwise::recording {
 namespace {

@@ -1,9 +1,9 @@
 #include <algorithm>
 
+#include "roomwise/recording/personal_files.h"
 #include "roomwise/recording/phone/folders.h"
 #include "roomwise/recording/phone/json_file.h"
 #include "roomwise/recording/phone/numbered_files.h"
-#include "roomwise/recording/phone/personal_files.h"
 #include "roomwise/recording/phone/phone_recording.h"
 
 namespace roomwise::recording {

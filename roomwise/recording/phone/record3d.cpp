@@ -7,9 +7,9 @@
 
 #include "roomwise/base/in_context.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/recording/personal_files.h"
 #include "roomwise/recording/phone/json_file.h"
 #include "roomwise/recording/phone/one_camera.h"
-#include "roomwise/recording/phone/personal_files.h"
 #include "roomwise/recording/phone/record3d_files.h"
 #include "roomwise/recording/phone/zip_file.h"
 

@@ -9,8 +9,8 @@
 #include "roomwise/image/codec.h"
 #include "roomwise/recording/bytes/random_access_file.h"
 #include "roomwise/recording/bytes/unpack.h"
+#include "roomwise/recording/personal_files.h"
 #include "roomwise/recording/phone/one_camera.h"
-#include "roomwise/recording/phone/personal_files.h"
 #include "roomwise/recording/robot/working_camera.h"
 
 namespace roomwise::recording {

@@ -1,4 +1,4 @@
-#include "roomwise/recording/phone/personal_files.h"
+#include "roomwise/recording/personal_files.h"
 
 #include <gtest/gtest.h>
 
