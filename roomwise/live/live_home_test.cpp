@@ -756,12 +756,17 @@ TEST_F(LiveHomeTest, RoomsAreLearnedFromPhotosAndALaterWalkMakesTheMap) {
 class HandedIn : public LiveHomeTest {
  protected:
   HandedIn() { open(); }
+  int damaged_pictures = 0;  // of the archive's
   // A zip of a TUM folder of the walk within another folder, as apps pack it.
   [[nodiscard]] Bytes archive_of_the_walk() {
     const auto recorded = folder / "recorded";
     auto writer = recording::TumWriter::create(recorded, walk.info().camera).value();
     while (auto frame = walk.next().value()) EXPECT_OK(writer->write(*frame));
     EXPECT_OK(writer->close());
+    int damaged = 0;
+    for (const auto& picture : std::filesystem::directory_iterator(recorded / "rgb")) {
+      if (damaged++ < damaged_pictures) std::filesystem::resize_file(picture.path(), 100);
+    }
     EXPECT_OK(write_file(recorded / "info.json",
                          std::string_view(R"({"latitude":50.1,"deviceName":"Jane's","rooms":3})")));
     const auto path = folder / "walk.zip";
@@ -850,6 +855,17 @@ TEST_F(HandedIn, AnExportIsMappedThoughTheComputerStoppedMeanwhile) {
   EXPECT_THAT(ask("GET", "/api/uploads").at("uploads"), IsEmpty());
   ASSERT_OK(home->forget_walk(1));
   EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/My flat"));
+}
+
+TEST_F(HandedIn, AnArchiveOfWhichMostCannotBeReadStays) {
+  damaged_pictures = kFrames / 2 + 1;
+  const std::string id = hand_in(archive_of_the_walk());
+  ask("POST", "/api/uploads/" + id + "/map");
+  home->jobs().wait();
+  ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
+  EXPECT_EQ(home->jobs().state()->message, "mapped_damaged");
+  EXPECT_THAT(home->view()->walks, SizeIs(1)) << "what can be read is in the home";
+  EXPECT_THAT(ask("GET", "/api/uploads").at("uploads"), SizeIs(1));
 }
 
 TEST_F(HandedIn, WhatIsNoRecordingIsToldAndWaits) {

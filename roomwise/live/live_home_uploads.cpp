@@ -76,6 +76,19 @@ std::optional<JobEnd> why_not_unpacked(const Error& error) {
   return std::nullopt;
 }
 
+// Whether at least half of the frames of a recording that was mapped could be read; of one that was
+// stopped before its end, as far as that can be seen without reading all pictures.
+bool is_mostly_whole(const fs::path& path, const Expected<JobEnd>& mapped) {
+  const auto recording = recording::open_recording(path);
+  if (!recording) return false;
+  std::size_t damaged = (*recording)->damaged().size();
+  const std::size_t frames = (*recording)->frames().size() + damaged;
+  if (mapped && mapped->values.contains("damaged")) {
+    damaged = static_cast<std::size_t>(mapped->values.at("damaged"));
+  }
+  return 2 * damaged <= frames;
+}
+
 Expected<void> move_to(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::rename(from, to, error);
@@ -108,12 +121,15 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
     const fs::path& path = taken.path;
     auto mapped = map_folder(path, progress);
     ROOMWISE_TRY(const bool is_in_home, has_recording_of(path));
+    std::error_code error;
+    const fs::path file = uploads_->file_of(upload.id);
     if (is_in_home) {
-      ROOMWISE_CHECK_OK(uploads_->remove(upload.id));
+      // An archive of which most could not be read stays: it may be all that there is.
+      const bool is_archive = fs::exists(file, error);
+      if (!is_archive || is_mostly_whole(path, mapped))
+        ROOMWISE_CHECK_OK(uploads_->remove(upload.id));
     } else {
       // It waits as it was: nothing of it is kept twice.
-      std::error_code error;
-      const fs::path file = uploads_->file_of(upload.id);
       if (!fs::exists(file, error)) ROOMWISE_CHECK_OK(move_to(path, file));
       fs::remove_all(path, error);
     }

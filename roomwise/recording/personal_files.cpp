@@ -1,12 +1,16 @@
 #include "roomwise/recording/personal_files.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "roomwise/image/codec.h"
 #include "roomwise/image/metadata.h"
 
 namespace roomwise::recording {
@@ -91,6 +95,40 @@ Expected<void> take_out_of_picture(const fs::path& path) {
   return bare && *bare != bytes ? write_file(path, *bare) : Expected<void>();
 }
 
+// By its first bytes, however it is called.
+bool is_picture(const fs::path& path) {
+  constexpr std::size_t kHead = 12;
+  std::array<char, kHead> head{};
+  std::ifstream(path, std::ios::binary).read(head.data(), kHead);
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(head.data()), kHead);
+  return image::is_jpeg(bytes) || image::is_png(bytes) || image::is_webp(bytes);
+}
+
+// The ending in small letters.
+std::string ending_of(const fs::path& path) {
+  std::string ending = path.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return ending;
+}
+
+// Whether files of this name are none that readers take and may say where somebody lives, or who.
+bool may_tell(const fs::path& path) {
+  constexpr std::array kEndings{".heic", ".heif", ".dng", ".plist", ".xml", ".gpx", ".kml"};
+  std::string name = path.stem().string();
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::ranges::find(kEndings, ending_of(path)) != kEndings.end() ||
+         name.find("gps") != std::string::npos || name.find("location") != std::string::npos;
+}
+
+Expected<void> take_out_of_file(const fs::path& path) {
+  if (is_picture(path)) return take_out_of_picture(path);
+  if (ending_of(path) == ".json") return take_out_of_json(path);
+  std::error_code error;
+  if (may_tell(path)) fs::remove(path, error);
+  if (error) return fail("{}: cannot be removed: {}", path.string(), error.message());
+  return {};
+}
+
 }  // namespace
 
 PersonalFacts personal_facts_of_some(std::size_t pictures,
@@ -124,13 +162,7 @@ Expected<void> leave_out_personal_facts(const fs::path& folder) {
     if (entry->is_regular_file()) files.push_back(entry->path());
   }
   if (error) return fail("{}: cannot be read: {}", folder.string(), error.message());
-  for (const fs::path& file : files) {
-    const std::string ending = file.extension().string();
-    const bool is_picture = ending == ".jpg" || ending == ".jpeg" || ending == ".png" ||
-                            ending == ".webp" || ending == ".JPG" || ending == ".JPEG";
-    if (ending == ".json") ROOMWISE_CHECK_OK(take_out_of_json(file));
-    if (is_picture) ROOMWISE_CHECK_OK(take_out_of_picture(file));
-  }
+  for (const fs::path& file : files) ROOMWISE_CHECK_OK(take_out_of_file(file));
   return {};
 }
 

@@ -23,9 +23,10 @@ namespace roomwise::recording {
 [[nodiscard]] image::PersonalFacts personal_facts_of_json_file(const std::filesystem::path& path);
 
 // Takes all such out of the files of a folder that was unpacked: such members of JSON, and from
-// JPEG, PNG and WebP what they say besides the picture. A JSON file that cannot be read, so that
-// nobody knows what it says, is emptied; pictures that cannot be read stay. Fails where a file
-// cannot be written.
+// JPEG, PNG and WebP, told by their content, what they say besides the picture. A JSON file that
+// cannot be read, so that nobody knows what it says, is emptied; files that no reader takes and
+// that may tell (.heic, .plist, .gpx, ...) go; pictures that cannot be read stay. Fails where a
+// file cannot be written.
 [[nodiscard]] Expected<void> leave_out_personal_facts(const std::filesystem::path& folder);
 
 }  // namespace roomwise::recording

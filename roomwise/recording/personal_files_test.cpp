@@ -43,7 +43,8 @@ TEST(PersonalFiles, OfAFolderLoseThatAlone) {
   write("a/deep.json",
         std::string(100'000, '[') + R"({"latitude": 50.1})" + std::string(100'000, ']'));
   write("a/b/0.jpg", image::testing::with_exif(plain, image::testing::exif_with_place(1)));
-  write("a/table.csv", std::string_view("latitude, 1\n"));
+  write("a/odometry.csv", std::string_view("timestamp\n"));
+  write("a/cut.jpg", std::string_view("no picture"));
   ASSERT_OK(leave_out_personal_facts(folder.path()));
   const auto text_of = [&](const char* name) { return read_text_file(folder / name).value(); };
   EXPECT_EQ(text_of("a/b/frame.json"), R"({"time":104137.33988787502,"at":[{}]})");
@@ -51,7 +52,29 @@ TEST(PersonalFiles, OfAFolderLoseThatAlone) {
   EXPECT_EQ(text_of("a/cut.json"), "") << "nobody knows what it says";
   EXPECT_EQ(text_of("a/deep.json"), "");
   EXPECT_EQ(read_file(folder / "a/b/0.jpg").value(), plain);
-  EXPECT_EQ(text_of("a/table.csv"), "latitude, 1\n");
+  EXPECT_EQ(text_of("a/odometry.csv"), "timestamp\n");
+  EXPECT_EQ(text_of("a/cut.jpg"), "no picture");
+}
+
+TEST(PersonalFiles, AreToldByWhatTheyHoldHoweverTheyAreCalled) {
+  const ScratchFolder folder;
+  const Bytes plain = image::encode_jpeg(image::ColorImage(8, 6), 90);
+  const Bytes tells = image::testing::with_exif(plain, image::testing::exif_with_place(1));
+  for (const char* name : {"a.PNG", "b.WEBP", "c.Jpg", "d.heic", "e", "f.JSON"}) {
+    EXPECT_OK(write_file(folder / name, tells));
+  }
+  EXPECT_OK(write_file(folder / "g.JSON", std::string_view(R"({"latitude":50.1,"time":1})")));
+  for (const char* name : {"0.heic", "1.plist", "2.xml", "GPS.csv", "location.txt"}) {
+    EXPECT_OK(write_file(folder / name, std::string_view("latitude, 50.1")));
+  }
+  ASSERT_OK(leave_out_personal_facts(folder.path()));
+  for (const char* name : {"a.PNG", "b.WEBP", "c.Jpg", "d.heic", "e", "f.JSON"}) {
+    EXPECT_EQ(read_file(folder / name).value(), plain) << name;
+  }
+  EXPECT_EQ(read_text_file(folder / "g.JSON").value(), R"({"time":1})");
+  for (const char* name : {"0.heic", "1.plist", "2.xml", "GPS.csv", "location.txt"}) {
+    EXPECT_FALSE(std::filesystem::exists(folder / name)) << name << ": no reader needs it";
+  }
 }
 
 }  // namespace

@@ -213,6 +213,9 @@ Expected<image::RgbdFrame> TumRecording::read_frame(const RecordedPicture& pictu
   }
   frame.color = std::move(color);
   frame.depth = std::move(depth);
+  // Whoever sends or stores them says no more than what is seen.
+  frame.encoded_color = image::color_file(frame);
+  frame.encoded_depth = image::depth_file(frame);
   return frame;
 }
 

@@ -89,6 +89,7 @@ TEST_F(TumFolder, SaysThatAPictureTellsWhereItWasTakenAndGivesItsFileWithout) {
   ASSERT_OK(frame);
   const Bytes file = image::color_file(**frame);
   EXPECT_EQ(image::testing::secrets_in(file), "");
+  EXPECT_EQ(image::testing::secrets_in((*frame)->encoded_color), "") << "whoever sends the frame";
   EXPECT_EQ(image::decode_color(file).value(), (*frame)->color) << "turned as before";
   EXPECT_EQ((*recording)->read_color_file(3).value(), file);
 }

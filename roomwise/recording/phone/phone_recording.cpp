@@ -4,6 +4,7 @@
 
 #include "roomwise/image/codec.h"
 #include "roomwise/recording/personal_files.h"
+#include "roomwise/recording/phone/longest_rise.h"
 #include "roomwise/recording/phone/one_camera.h"
 
 namespace roomwise::recording {
@@ -39,23 +40,27 @@ Expected<void> check_camera(const PhonePicture& picture, const image::ColorImage
               picture.color.string(), camera.width, camera.height, first.width(), first.height());
 }
 
-Expected<void> check_time(const PhonePicture& picture, const std::vector<PhonePicture>& before) {
-  if (before.empty() || picture.timestamp_ns > before.back().timestamp_ns) return {};
-  return fail("{}: its time {} s is not after that of the picture before, {} s",
-              picture.color.string(), format_timestamp(picture.timestamp_ns),
-              format_timestamp(before.back().timestamp_ns));
+std::vector<bool> in_order_of_time(const std::vector<PhonePicture>& pictures) {
+  std::vector<TimestampNs> times;
+  for (const PhonePicture& picture : pictures) times.push_back(picture.timestamp_ns);
+  return in_longest_rise(times);
 }
 
 // Takes the pictures that are damaged out, and gives the cameras, which are of the pictures' size,
 // that size: only the pictures say it.
 Expected<void> keep_whole_pictures(PhoneListing& listing) {
   ROOMWISE_TRY(const auto first, any_color_of(listing));
+  const std::vector<bool> is_in_order = in_order_of_time(listing.pictures);
   std::vector<PhonePicture> whole;
-  for (PhonePicture& picture : listing.pictures) {
+  for (std::size_t i = 0; i < listing.pictures.size(); ++i) {
+    PhonePicture& picture = listing.pictures[i];
     if (picture.camera.width == 0) picture.camera.width = first.width();
     if (picture.camera.height == 0) picture.camera.height = first.height();
-    auto fine = check_time(picture, whole);
-    if (fine) fine = check_camera(picture, first);
+    auto fine = check_camera(picture, first);
+    if (!is_in_order[i]) {
+      fine = fail("{}: its time {} s does not fit those of the other pictures",
+                  picture.color.string(), format_timestamp(picture.timestamp_ns));
+    }
     if (fine) {
       whole.push_back(std::move(picture));
     } else {

@@ -46,8 +46,8 @@ struct PhoneListing {
 class PhoneRecording final : public Recording {
  public:
   // Fails where there is no picture with depth, where no picture can be read and where `options`
-  // ask for another camera. A picture whose time does not increase or whose camera cannot be counts
-  // as damaged.
+  // ask for another camera. Pictures whose time does not increase with the longest run of the
+  // others, or whose camera cannot be, count as damaged.
   [[nodiscard]] static Expected<std::unique_ptr<Recording>> open(PhoneListing listing,
                                                                  const RecordingOptions& options);
   [[nodiscard]] geometry::PinholeCamera original_camera(

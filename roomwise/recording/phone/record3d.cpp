@@ -9,6 +9,7 @@
 #include "roomwise/image/codec.h"
 #include "roomwise/recording/personal_files.h"
 #include "roomwise/recording/phone/json_file.h"
+#include "roomwise/recording/phone/longest_rise.h"
 #include "roomwise/recording/phone/one_camera.h"
 #include "roomwise/recording/phone/record3d_files.h"
 #include "roomwise/recording/phone/zip_file.h"
@@ -110,18 +111,29 @@ std::size_t frames_listed(const Json& json) {
   return frames;
 }
 
-Expected<Record3dFrame> frame_from(const Json& json, std::size_t i, const PinholeCamera& size,
-                                   const std::map<std::size_t, Record3dFrame>& before) {
+Expected<Record3dFrame> frame_from(const Json& json, std::size_t i, const PinholeCamera& size) {
   Record3dFrame frame;
   ROOMWISE_TRY(frame.timestamp_ns, time_of_frame(json, i));
   ROOMWISE_TRY(frame.camera, camera_of_frame(json, i, size));
   if (const Json* poses = list_in(json, "poses")) {
     ROOMWISE_TRY(frame.world_from_camera, pose_of_frame(*poses, i));
   }
-  if (!before.empty() && frame.timestamp_ns <= before.rbegin()->second.timestamp_ns) {
-    return fail("the time of frame {} is not after that of the frame before", i);
-  }
   return frame;
+}
+
+void leave_out_wrong_times(Record3dFacts& facts, const std::string& file) {
+  std::vector<TimestampNs> times;
+  for (const auto& [i, frame] : facts.frames) times.push_back(frame.timestamp_ns);
+  const std::vector<bool> is_in_order = in_longest_rise(times);
+  std::size_t place = 0;
+  std::erase_if(facts.frames, [&](const auto& frame) {
+    if (is_in_order[place++]) return false;
+    facts.damaged.push_back(
+        {frame.first, fmt::format("{}: the time of frame {} does not fit those of the others", file,
+                                  frame.first)});
+    return true;
+  });
+  std::ranges::sort(facts.damaged, {}, &DamagedFrame::index);
 }
 
 Expected<Record3dFacts> facts_from(const Json& json, const Record3dFiles& files) {
@@ -138,7 +150,7 @@ Expected<Record3dFacts> facts_from(const Json& json, const Record3dFiles& files)
       ++lacking;
       continue;
     }
-    auto frame = frame_from(json, i, size, facts.frames);
+    auto frame = frame_from(json, i, size);
     if (frame) {
       facts.frames.emplace(i, *std::move(frame));
     } else {
@@ -146,6 +158,7 @@ Expected<Record3dFacts> facts_from(const Json& json, const Record3dFiles& files)
           {i, fmt::format("{}: {}", files.name_of_metadata(), frame.error().message)});
     }
   }
+  leave_out_wrong_times(facts, files.name_of_metadata());
   if (lacking > 0) {
     facts.notes.push_back(
         fmt::format("{} of {} frames have no picture; were all copied?", lacking, listed));

@@ -232,6 +232,21 @@ TEST_F(Record3dExrTest, APictureThatACopyLacksLeavesAGap) {
   EXPECT_EQ((*opened)->frame(3).value()->timestamp_ns, 10'800'000'000);
 }
 
+TEST_F(Record3dExrTest, ATimeThatIsFarTooLateCostsItsFrameAlone) {
+  write("metadata.json", bytes_of(R"({"w": 48, "h": 64, "dw": 12, "dh": 16, "fps": 60,
+    "K": [60, 0, 0, 0, 61, 0, 23.5, 31.5, 1], "frameTimestamps": [10.5, 900, 10.7, 10.8]})"));
+  for (const char* other : {"2", "3"}) {
+    std::filesystem::copy(exported_ / "rgb/1.jpg",
+                          exported_ / "rgb" / fmt::format("{}.jpg", other));
+    std::filesystem::copy(exported_ / "depth/1.exr",
+                          exported_ / "depth" / fmt::format("{}.exr", other));
+  }
+  const auto opened = open();
+  ASSERT_OK(opened);
+  EXPECT_THAT((*opened)->frames(), ElementsAre(0, 2, 3));
+  EXPECT_ERROR((*opened)->next(), "metadata.json: the time of frame 1 does not fit");
+}
+
 TEST_F(Record3dExrTest, AFrameWithoutDepthIsAPicture) {
   std::filesystem::remove(exported_ / "depth/0.exr");
   const auto opened = open();

@@ -5,6 +5,7 @@
 
 #include "roomwise/recording/personal_files.h"
 #include "roomwise/recording/phone/json_file.h"
+#include "roomwise/recording/phone/longest_rise.h"
 #include "roomwise/recording/phone/numbered_files.h"
 #include "roomwise/recording/phone/phone_recording.h"
 
@@ -34,21 +35,32 @@ struct AllFacts {
 };
 
 // The app writes every frame's file before the next one's, so times that go back are damage.
+void leave_out_times_that_go_back(AllFacts& all, const NumberedFiles& files) {
+  std::vector<TimestampNs> times;
+  for (const auto& [number, facts] : all.of_frame) times.push_back(facts.timestamp_ns);
+  const std::vector<bool> is_in_order = in_longest_rise(times);
+  std::size_t place = 0;
+  std::erase_if(all.of_frame, [&](const auto& frame) {
+    if (is_in_order[place++]) return false;
+    const auto& [number, facts] = frame;
+    all.damage.emplace(
+        number, fmt::format("{}: its time {} s does not fit those of the other frames",
+                            files.at(number).string(), format_timestamp(facts.timestamp_ns)));
+    return true;
+  });
+}
+
 AllFacts read_all_facts(const NumberedFiles& files) {
   AllFacts all;
   for (const auto& [number, file] : files) {
     const auto facts = read_frame_facts(file, scanner_app_facts);
-    if (!facts) {
-      all.damage.emplace(number, facts.error().message);
-    } else if (!all.of_frame.empty() &&
-               facts->timestamp_ns <= all.of_frame.rbegin()->second.timestamp_ns) {
-      all.damage.emplace(number,
-                         fmt::format("{}: its time {} s is not after that of the frame before",
-                                     file.string(), format_timestamp(facts->timestamp_ns)));
-    } else {
+    if (facts) {
       all.of_frame.emplace(number, *facts);
+    } else {
+      all.damage.emplace(number, facts.error().message);
     }
   }
+  leave_out_times_that_go_back(all, files);
   return all;
 }
 

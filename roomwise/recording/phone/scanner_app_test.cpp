@@ -124,7 +124,9 @@ TEST_F(ScannerAppFolder, NamesTheFileThatIsDamagedAndGivesTheOtherFrames) {
   };
   json three = frame_json(3);
   three["time"] = 99;
-  is_left_out_with(three, "is not after");
+  is_left_out_with(three, "does not fit");
+  three["time"] = 100'000;
+  is_left_out_with(three, "does not fit");
   three = frame_json(3);
   three.erase("time");
   is_left_out_with(three, "'time' is missing");
@@ -143,6 +145,17 @@ TEST_F(ScannerAppFolder, NamesTheFileThatIsDamagedAndGivesTheOtherFrames) {
   is_left_out("more than");
   std::filesystem::remove(file(3, "frame_{:05}.json"));
   is_left_out("frame_00003.jpg: has no .json of its number");
+}
+
+TEST_F(ScannerAppFolder, LosesNoFrameBehindATimeThatIsFarTooLate) {
+  json one = frame_json(1);
+  one["time"] = 100'000;
+  write(1, "frame_{:05}.json", one.dump());
+  const auto opened = open();
+  ASSERT_OK(opened);
+  EXPECT_THAT((*opened)->frames(), ::testing::ElementsAre(0, 3));
+  EXPECT_THAT((*opened)->damaged(), ::testing::IsEmpty()) << "it has no picture";
+  EXPECT_EQ((*opened)->device_poses().size(), 5U);
 }
 
 TEST_F(ScannerAppFolder, GivesACameraThatCannotBeAsDamage) {

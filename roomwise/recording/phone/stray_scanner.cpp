@@ -6,6 +6,7 @@
 #include "roomwise/base/file.h"
 #include "roomwise/base/in_context.h"
 #include "roomwise/recording/data_lines.h"
+#include "roomwise/recording/phone/longest_rise.h"
 #include "roomwise/recording/phone/numbered_files.h"
 #include "roomwise/recording/phone/phone_recording.h"
 #include "roomwise/recording/phone/video_file.h"
@@ -163,23 +164,45 @@ struct StrayRow {
   StampedPose pose;
 };
 Expected<StrayRow> read_row(const OdometryTable& table, std::size_t row,
-                            const geometry::PinholeCamera& otherwise, const StrayRow* before) {
+                            const geometry::PinholeCamera& otherwise) {
   StrayRow read;
   PhonePicture& picture = read.picture;
   picture.place = row;
   ROOMWISE_TRY(picture.index, table.number<std::uint64_t>(row, "frame"));
-  if (before != nullptr && picture.index <= before->picture.index) {
-    return fail("{}: its number is not after that of the line before", table.place(row));
-  }
   ROOMWISE_TRY(const auto time, table.word(row, "timestamp"));
   ROOMWISE_TRY(picture.timestamp_ns, in_context(table.place(row), parse_timestamp(time)));
-  if (before != nullptr && picture.timestamp_ns <= before->picture.timestamp_ns) {
-    return fail("{}: its time {} s is not after that of the line before", table.place(row), time);
-  }
   ROOMWISE_TRY(picture.camera, camera_of_row(table, row, otherwise));
   ROOMWISE_TRY(read.pose.world_from_camera, pose_of_row(table, row));
   read.pose.timestamp_ns = picture.timestamp_ns;
   return read;
+}
+
+// Takes the rows of which `value` does not increase with the longest run of the others for damaged.
+template <typename Value>
+void leave_out_of_order(std::vector<Expected<StrayRow>>& rows, const OdometryTable& table,
+                        const char* what, Value PhonePicture::*value) {
+  std::vector<std::size_t> whole;
+  std::vector<Value> values;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    if (!rows[row]) continue;
+    whole.push_back(row);
+    values.push_back(rows[row]->picture.*value);
+  }
+  const std::vector<bool> is_in_order = in_longest_rise(values);
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    if (is_in_order[i]) continue;
+    rows[whole[i]] =
+        fail("{}: its {} does not fit those of the other lines", table.place(whole[i]), what);
+  }
+}
+
+std::vector<Expected<StrayRow>> read_rows(const OdometryTable& table, std::size_t count,
+                                          const geometry::PinholeCamera& otherwise) {
+  std::vector<Expected<StrayRow>> rows;
+  for (std::size_t row = 0; row < count; ++row) rows.push_back(read_row(table, row, otherwise));
+  leave_out_of_order(rows, table, "number", &PhonePicture::index);
+  leave_out_of_order(rows, table, "time", &PhonePicture::timestamp_ns);
+  return rows;
 }
 
 // What an end that was cut off lacks.
@@ -219,14 +242,13 @@ Expected<std::unique_ptr<Recording>> open_stray_scanner_folder(const fs::path& f
   listing.poses_are_motion = true;  // ARKit's
   listing.left_out = video->personal_facts();
   note_end(table, *video, listing);
-  std::optional<StrayRow> before;
-  for (std::size_t row = 0; row < std::min(table.size(), video->size()); ++row) {
-    auto read = read_row(table, row, camera, before ? &*before : nullptr);
+  std::uint64_t next = 0;
+  for (auto& read : read_rows(table, std::min(table.size(), video->size()), camera)) {
     if (!read) {
-      listing.damaged.push_back({before ? before->picture.index + 1 : 0, read.error().message});
+      listing.damaged.push_back({next, read.error().message});
       continue;
     }
-    before = *read;
+    next = read->picture.index + 1;
     read->picture.color = file;
     read->picture.depth = file_or_none(depths, read->picture.index);
     listing.device_poses.push_back(read->pose);

@@ -164,6 +164,20 @@ TEST_F(StrayScannerFolder, GoesOnBehindALineThatIsDamaged) {
       << "each line behind it has its own picture";
 }
 
+TEST_F(StrayScannerFolder, LosesALineWhoseTimeOrNumberDoesNotFitAlone) {
+  const std::string table = read_text_file(folder_ / "odometry.csv").value();
+  for (const char* line : {"900.51, 000003", "0.510, 000003", "7.051, 900003", "7.051, 000000"}) {
+    std::string damaged = table;
+    write("odometry.csv", damaged.replace(damaged.find("7.051, 000003"), 13, line));
+    const auto recording = open();
+    ASSERT_OK(recording);
+    EXPECT_EQ((*recording)->frames().size(), std::size_t{kStrayFrames - 1}) << line;
+    ASSERT_EQ((*recording)->damaged().size(), 1U) << line;
+    EXPECT_EQ((*recording)->damaged().front().index, 3U);
+    EXPECT_THAT((*recording)->damaged().front().why, ::testing::HasSubstr("odometry.csv:5: its "));
+  }
+}
+
 TEST_F(StrayScannerFolder, GivesWhatComesBeforeTheEndOfAVideoThatIsShorter) {
   EXPECT_TRUE(write_grey_video(folder_ / "rgb.mp4", kStrayFrames - 1));
   const auto recording = open();
