@@ -125,7 +125,6 @@ class GuidanceTest : public ::testing::Test {
   std::optional<std::string> room_;
   std::optional<double> obstacle_m_;  // ahead of them, as broad as a body
   std::optional<double> depth_m_;     // straight ahead, wherever they are
-  double sigma_m_ = 0.02;
   bool sees_floor_ = false;  // what stands about them, as it is on the map
 };
 
