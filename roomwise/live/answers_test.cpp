@@ -143,13 +143,20 @@ class CallerBesideATable : public CallerTest {
     return prompts[0].text;
   }
 
+  // What is told at last when it goes on to be seen for 2.5 s.
+  std::string called_later() {
+    std::string last;
+    for (int picture = 0; picture < 5; ++picture) last = called(500);
+    return last;
+  }
+
   FrameResult result;
 };
 
 TEST_F(CallerBesideATable, WhatTheMapKnowsIsAHazardWithItsNameAndSide) {
   EXPECT_EQ(called(200), "Table ahead, to the left.");
   EXPECT_EQ(called(200), "Table ahead, to the left.") << "with each picture, as one may be lost";
-  EXPECT_EQ(called(5000), "");
+  EXPECT_EQ(called_later(), "");
   sees({{0.76, 0.25}, {0.76, 0.15}, {0.76, 0.05}});
   EXPECT_EQ(called(200), "Table ahead.") << "at once: it is to the left no more";
 }
@@ -161,10 +168,10 @@ TEST_F(CallerBesideATable, WhatTheMapDoesNotKnowHasNoName) {
 
 TEST_F(CallerBesideATable, SomebodyBehindItIsToldAtOnceAndMakesItNameless) {
   EXPECT_EQ(called(200), "Table ahead, to the left.");
-  EXPECT_EQ(called(5000), "");
+  EXPECT_EQ(called_later(), "");
   sees({{0.76, 0.25}, {0.76, 0.15}, {0.9, -0.1}});
   EXPECT_EQ(called(200), "Obstacle ahead.");
-  EXPECT_EQ(called(5000), "");
+  EXPECT_EQ(called_later(), "");
   sees({{0.76, 0.25}, {0.76, 0.15}});
   EXPECT_EQ(called(200), "") << "they heard of it";
 }
@@ -253,7 +260,7 @@ TEST(Answers, AroundSomebodyIsWhatIsInTheirRoom) {
 TEST(Answers, TellWhatTheMapKnowsOfThingsAndRooms) {
   HomeView home;
   home.rooms = {{"bedroom", "bedroom"}, {"kitchen", "kitchen"}};
-  home.things = {thing("table", "kitchen", {2, 0, 0.3}), thing("cup", "kitchen", {2, 0, 0.6})};
+  home.things = {thing("table", "kitchen", {2, 0, 0.3}), thing("cup", "kitchen", {2, 0, 0.8})};
   FrameResult result = glance_in("kitchen", 500, rooms::Verdict::kRoom);
   const service::SpeakingSettings settings;
   const auto told = [&](service::Question question, const std::string& subject,
