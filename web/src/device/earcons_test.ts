@@ -34,7 +34,10 @@ test('left, right, stop and arrival feel different from each other and from ever
   assert.equal(new Set([...told, ...sounds]).size, told.length + kSounds.length, sounds.join());
   for (const [like, messages] of Object.entries({
     'guide.turn_left': ['guide.turn_hour_left', 'guide.little_left'], 'guide.turn_right': ['guide.turn_hour_right', 'guide.little_right'],
-    'guide.stop': ['guide.stop_obstacle_ahead', 'guide.stop_thing_left', 'guide.stop_door', 'guide.off', 'guide.lost', 'guide.lost_wait', 'device.connection_lost_led'],
+    'guide.stop': [
+      'guide.stop_obstacle_ahead', 'guide.stop_thing_left', 'guide.stop_door', 'guide.off', 'guide.lost', 'guide.lost_wait',
+      'device.connection_lost_led',
+    ],
     'guide.there_ahead': ['guide.there_left', 'guide.there_room'],
   })) {
     messages.forEach((message) => assert.equal(feels(message, 'alert'), feels(like), message));
