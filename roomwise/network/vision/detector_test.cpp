@@ -101,6 +101,13 @@ void expect_box(const PixelBox& box, const PixelBox& expected) {
   EXPECT_NEAR(box.bottom, expected.bottom, 1e-3);
 }
 
+void expect_only(const std::vector<Detection>& found, const Detection& expected) {
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].label, expected.label);
+  EXPECT_NEAR(found[0].score, expected.score, 1e-6);
+  expect_box(found[0].box, expected.box);
+}
+
 TEST(Yolox, DecodesBoxesFromTheirCells) {
   const ModelCard card = small_card(Task::kYolox);
   ASSERT_EQ(detector_output_size(card, kLabels), kCells * 7);
@@ -108,11 +115,7 @@ TEST(Yolox, DecodesBoxesFromTheirCells) {
   // The second cell of 16 px: its middle half a cell right of (16, 0) and one down, 32 x 16 px.
   const std::array row{0.5F, 1.F, std::log(2.F), 0.F, 0.9F, 0.2F, 0.8F};
   std::ranges::copy(row, values.begin() + 33 * 7);
-  const auto found = decode_detections(values, card, kLabels, 0.5F);
-  ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].label, 1u);
-  EXPECT_NEAR(found[0].score, 0.72, 1e-6);
-  expect_box(found[0].box, {8, 8, 40, 24});
+  expect_only(decode_detections(values, card, kLabels, 0.5F), {1u, 0.72F, {8, 8, 40, 24}});
 }
 
 TEST(Yolov5, DecodesPixelsOfThreeShapesACell) {
@@ -121,11 +124,7 @@ TEST(Yolov5, DecodesPixelsOfThreeShapesACell) {
   std::vector<float> values(3 * kCells * 7, 0.F);
   const std::array row{30.F, 10.F, 8.F, 4.F, 0.8F, 1.F, 0.F};
   std::ranges::copy(row, values.end() - 7);
-  const auto found = decode_detections(values, card, kLabels, 0.5F);
-  ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].label, 0u);
-  EXPECT_NEAR(found[0].score, 0.8, 1e-6);
-  expect_box(found[0].box, {26, 8, 34, 12});
+  expect_only(decode_detections(values, card, kLabels, 0.5F), {0u, 0.8F, {26, 8, 34, 12}});
 }
 
 TEST(Yolov8, DecodesColumns) {
@@ -134,11 +133,8 @@ TEST(Yolov8, DecodesColumns) {
   std::vector<float> values(kCells * 6, 0.F);
   const std::array column{60.F, 10.F, 16.F, 4.F, 0.1F, 0.7F};
   for (std::size_t i = 0; i < column.size(); ++i) values[i * kCells + 5] = column[i];
-  const auto found = decode_detections(values, card, kLabels, 0.5F);
-  ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].label, 1u);
-  EXPECT_NEAR(found[0].score, 0.7, 1e-6);
-  expect_box(found[0].box, {52, 8, 64, 12});  // cut by the picture's border
+  // Cut by the picture's border.
+  expect_only(decode_detections(values, card, kLabels, 0.5F), {1u, 0.7F, {52, 8, 64, 12}});
 }
 
 // Numbers that are none, or overflow, are no boxes outside of the picture.

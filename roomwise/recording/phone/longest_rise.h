@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
+#include <type_traits>
 #include <vector>
 
 namespace roomwise::recording {
@@ -28,6 +29,21 @@ template <typename Value>
   std::size_t at = ends.empty() ? 0 : ends.back();
   for (std::size_t left = ends.size(); left > 0; --left, at = before[at]) is_in[at] = true;
   return is_in;
+}
+
+// Takes out of a container of frames those whose `value_of` does not rise with the longest run of
+// the others; `taken_out` is told of each before it goes.
+template <typename Frames, typename ValueOf, typename TakenOut>
+void keep_longest_rise(Frames& frames, const ValueOf& value_of, const TakenOut& taken_out) {
+  std::vector<std::decay_t<decltype(value_of(*frames.begin()))>> values;
+  for (const auto& frame : frames) values.push_back(value_of(frame));
+  const std::vector<bool> is_in_order = in_longest_rise(values);
+  std::size_t place = 0;
+  std::erase_if(frames, [&](const auto& frame) {
+    if (is_in_order[place++]) return false;
+    taken_out(frame);
+    return true;
+  });
 }
 
 }  // namespace roomwise::recording

@@ -122,17 +122,13 @@ Expected<Record3dFrame> frame_from(const Json& json, std::size_t i, const Pinhol
 }
 
 void leave_out_wrong_times(Record3dFacts& facts, const std::string& file) {
-  std::vector<TimestampNs> times;
-  for (const auto& [i, frame] : facts.frames) times.push_back(frame.timestamp_ns);
-  const std::vector<bool> is_in_order = in_longest_rise(times);
-  std::size_t place = 0;
-  std::erase_if(facts.frames, [&](const auto& frame) {
-    if (is_in_order[place++]) return false;
-    facts.damaged.push_back(
-        {frame.first, fmt::format("{}: the time of frame {} does not fit those of the others", file,
-                                  frame.first)});
-    return true;
-  });
+  keep_longest_rise(
+      facts.frames, [](const auto& frame) { return frame.second.timestamp_ns; },
+      [&](const auto& frame) {
+        facts.damaged.push_back(
+            {frame.first, fmt::format("{}: the time of frame {} does not fit those of the others",
+                                      file, frame.first)});
+      });
   std::ranges::sort(facts.damaged, {}, &DamagedFrame::index);
 }
 

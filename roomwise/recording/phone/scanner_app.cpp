@@ -36,18 +36,14 @@ struct AllFacts {
 
 // The app writes every frame's file before the next one's, so times that go back are damage.
 void leave_out_times_that_go_back(AllFacts& all, const NumberedFiles& files) {
-  std::vector<TimestampNs> times;
-  for (const auto& [number, facts] : all.of_frame) times.push_back(facts.timestamp_ns);
-  const std::vector<bool> is_in_order = in_longest_rise(times);
-  std::size_t place = 0;
-  std::erase_if(all.of_frame, [&](const auto& frame) {
-    if (is_in_order[place++]) return false;
-    const auto& [number, facts] = frame;
-    all.damage.emplace(
-        number, fmt::format("{}: its time {} s does not fit those of the other frames",
-                            files.at(number).string(), format_timestamp(facts.timestamp_ns)));
-    return true;
-  });
+  keep_longest_rise(
+      all.of_frame, [](const auto& frame) { return frame.second.timestamp_ns; },
+      [&](const auto& frame) {
+        const auto& [number, facts] = frame;
+        all.damage.emplace(
+            number, fmt::format("{}: its time {} s does not fit those of the other frames",
+                                files.at(number).string(), format_timestamp(facts.timestamp_ns)));
+      });
 }
 
 AllFacts read_all_facts(const NumberedFiles& files) {
