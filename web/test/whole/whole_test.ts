@@ -380,8 +380,8 @@ step('a room is forgotten, and with it what was learned', async () => {
   await heardOnce(helper, 'It is erased.');
   await phone.press('Where am I');
   // While the map is made ready again it has no place to go by.
-  await phone.page.waitForFunction(() => (window as unknown as { spoken: string[] }).spoken
-    .some((one) => /have not learned any rooms|do not know where you stand/.test(one)), kWaiting);
+  await phone.page.waitForFunction(() => (window as unknown as { spoken: { text: string }[] }).spoken
+    .some((one) => /have not learned any rooms|do not know where you stand/.test(one.text)), kWaiting);
 });
 
 step('everything is forgotten', async () => {
