@@ -40,27 +40,22 @@ Expected<void> check_camera(const PhonePicture& picture, const image::ColorImage
               picture.color.string(), camera.width, camera.height, first.width(), first.height());
 }
 
-std::vector<bool> in_order_of_time(const std::vector<PhonePicture>& pictures) {
-  std::vector<TimestampNs> times;
-  for (const PhonePicture& picture : pictures) times.push_back(picture.timestamp_ns);
-  return in_longest_rise(times);
-}
-
 // Takes the pictures that are damaged out, and gives the cameras, which are of the pictures' size,
 // that size: only the pictures say it.
 Expected<void> keep_whole_pictures(PhoneListing& listing) {
   ROOMWISE_TRY(const auto first, any_color_of(listing));
-  const std::vector<bool> is_in_order = in_order_of_time(listing.pictures);
+  const auto time_of = [](const PhonePicture& picture) { return picture.timestamp_ns; };
+  keep_longest_rise(listing.pictures, time_of, [&](const PhonePicture& picture) {
+    listing.damaged.push_back(
+        {picture.index,
+         fmt::format("{}: its time {} s does not fit those of the other pictures",
+                     picture.color.string(), format_timestamp(picture.timestamp_ns))});
+  });
   std::vector<PhonePicture> whole;
-  for (std::size_t i = 0; i < listing.pictures.size(); ++i) {
-    PhonePicture& picture = listing.pictures[i];
+  for (PhonePicture& picture : listing.pictures) {
     if (picture.camera.width == 0) picture.camera.width = first.width();
     if (picture.camera.height == 0) picture.camera.height = first.height();
-    auto fine = check_camera(picture, first);
-    if (!is_in_order[i]) {
-      fine = fail("{}: its time {} s does not fit those of the other pictures",
-                  picture.color.string(), format_timestamp(picture.timestamp_ns));
-    }
+    const auto fine = check_camera(picture, first);
     if (fine) {
       whole.push_back(std::move(picture));
     } else {
