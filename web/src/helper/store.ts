@@ -24,6 +24,9 @@ export class HelperStore {
     home: null, keyframes: [], plan: { rooms: [], doors: [] }, edits: [], devices: [], recognitions: [], job: null, recording: null, seen: new Map(), online: false,
   };
   private readonly listeners: { topics: readonly Topic[]; run: () => void }[] = [];
+  private jobsTold = 0; // by the socket
+  private homesAsked = 0;
+  private homeShown = 0; // which of those that were asked for
 
   // `run` at once, and whenever one of the topics changed.
   watch(topics: readonly Topic[], run: () => void): void {
@@ -31,13 +34,20 @@ export class HelperStore {
     run();
   }
 
+  // Answers may come in another order than they were asked for: an older one changes nothing.
   async refreshHome(): Promise<void> {
+    this.homesAsked += 1;
+    const mine = this.homesAsked;
     const [home, map, plan, changes] = await Promise.all([
       request<Home>('GET', '/api/home'),
       request<{ keyframes: Keyframe[] }>('GET', '/api/map/keyframes').catch(noneYet),
       request<Plan>('GET', '/api/map/plan'),
       request<{ edits: Edit[] }>('GET', '/api/edits'),
     ]);
+    if (mine < this.homeShown) {
+      return;
+    }
+    this.homeShown = mine;
     this.state.plan = plan;
     this.state.edits = changes.edits;
     this.state.home = home;
@@ -56,8 +66,13 @@ export class HelperStore {
     this.tell('recognitions');
   }
 
+  // What the socket tells meanwhile is newer than the answer may be.
   async refreshJob(): Promise<void> {
+    const told = this.jobsTold;
     const job = await request<Job | { state: 'none' }>('GET', '/api/job');
+    if (told !== this.jobsTold) {
+      return;
+    }
     this.state.job = job.state === 'none' ? null : (job as Job);
     this.tell('job');
   }
@@ -83,6 +98,7 @@ export class HelperStore {
         void this.refreshRecognitions().catch(() => undefined); // forgotten with a room or a walk
         break;
       case 'job': {
+        this.jobsTold += 1;
         const isTold = this.state.job?.kind === message.kind && this.state.job.state === message.state;
         this.state.job = message;
         this.tell('job');
