@@ -18,10 +18,10 @@
 
 #include "resident_memory.h"
 #include "roomwise/evaluation/quantile.h"
-#include "roomwise/live/home_routes.h"
+#include "roomwise/live/routes/home_routes.h"
 #include "roomwise/network/vision/onnx_classifier.h"
 #include "roomwise/recording/open_recording.h"
-#include "roomwise/service/client.h"
+#include "roomwise/service/client/client.h"
 #include "roomwise/speech/espeak.h"
 #include "timing.h"
 

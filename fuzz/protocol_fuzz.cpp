@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "fuzz_target.h"
-#include "roomwise/service/messages.h"
+#include "roomwise/service/protocol/messages.h"
 
 namespace {
 

@@ -19,7 +19,7 @@
 #include "roomwise/recording/phone/testing/video_writer.h"
 #include "roomwise/recording/robot/testing/robot_log.h"
 #include "roomwise/recording/sens/testing/sens_writer.h"
-#include "roomwise/service/messages.h"
+#include "roomwise/service/protocol/messages.h"
 
 namespace {
 

@@ -12,8 +12,8 @@
 
 #include "roomwise/base/file.h"
 #include "roomwise/base/testing/testing.h"
-#include "roomwise/service/client.h"
-#include "roomwise/service/messages.h"
+#include "roomwise/service/client/client.h"
+#include "roomwise/service/protocol/messages.h"
 #include "roomwise/service/testing/testing_service.h"
 #include "run_program.h"
 

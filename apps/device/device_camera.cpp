@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "roomwise/image/codec.h"
-#include "roomwise/service/messages.h"
+#include "roomwise/service/protocol/messages.h"
 
 namespace roomwise::app {
 namespace {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "roomwise/base/file.h"
-#include "roomwise/service/private_file.h"
+#include "roomwise/service/credentials/private_file.h"
 
 namespace roomwise::app {
 namespace {

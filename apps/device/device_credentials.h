@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "roomwise/service/client.h"
+#include "roomwise/service/client/client.h"
 
 namespace roomwise::app {
 

@@ -12,7 +12,7 @@
 #include "device_voice.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/testing/testing.h"
-#include "roomwise/service/prompt_message.h"
+#include "roomwise/service/protocol/prompt_message.h"
 
 namespace roomwise::app {
 namespace {

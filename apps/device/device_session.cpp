@@ -7,7 +7,7 @@
 #include <thread>
 #include <utility>
 
-#include "roomwise/service/prompt_message.h"
+#include "roomwise/service/protocol/prompt_message.h"
 
 namespace roomwise::app {
 namespace {

@@ -12,9 +12,9 @@
 #include "device_camera.h"
 #include "device_keys.h"
 #include "device_voice.h"
-#include "roomwise/service/client.h"
-#include "roomwise/service/device_link.h"
-#include "roomwise/service/messages.h"
+#include "roomwise/service/client/client.h"
+#include "roomwise/service/client/device_link.h"
+#include "roomwise/service/protocol/messages.h"
 
 namespace roomwise::app {
 

@@ -2,7 +2,7 @@
 
 #include "commands.h"
 #include "open_home.h"
-#include "roomwise/live/home_backup.h"
+#include "roomwise/live/home/home_backup.h"
 
 namespace roomwise::app {
 namespace {

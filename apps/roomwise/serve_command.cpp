@@ -14,9 +14,9 @@
 #include "networks.h"
 #include "open_home.h"
 #include "qr_code.h"
-#include "roomwise/live/home_routes.h"
-#include "roomwise/service/access_routes.h"
-#include "roomwise/service/server_events.h"
+#include "roomwise/live/routes/home_routes.h"
+#include "roomwise/service/server/access_routes.h"
+#include "roomwise/service/server/server_events.h"
 #include "serve_parts.h"
 
 namespace roomwise::app {

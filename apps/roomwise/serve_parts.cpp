@@ -9,8 +9,8 @@
 #include <chrono>
 
 #include "qr_code.h"
-#include "roomwise/service/page_files.h"
-#include "roomwise/service/private_folder.h"
+#include "roomwise/service/credentials/private_folder.h"
+#include "roomwise/service/server/page_files.h"
 
 namespace roomwise::app {
 

@@ -11,9 +11,9 @@
 
 #include "command.h"
 #include "networks.h"
-#include "roomwise/service/access.h"
-#include "roomwise/service/account_store.h"
-#include "roomwise/service/certificate.h"
+#include "roomwise/service/access/access.h"
+#include "roomwise/service/access/account_store.h"
+#include "roomwise/service/credentials/certificate.h"
 
 // What serving one home and serving a folder of homes share.
 namespace roomwise::app {

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "roomwise/live/home_routes.h"
-#include "roomwise/service/request_checks.h"
+#include "roomwise/live/routes/home_routes.h"
+#include "roomwise/service/server/request_checks.h"
 
 namespace roomwise::live {
 

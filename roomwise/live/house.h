@@ -12,12 +12,12 @@
 #include <string_view>
 #include <vector>
 
-#include "roomwise/live/live_home.h"
-#include "roomwise/service/access_routes.h"
-#include "roomwise/service/metrics_text.h"
-#include "roomwise/service/pairing_door.h"
-#include "roomwise/service/rate_limit.h"
-#include "roomwise/service/served_home.h"
+#include "roomwise/live/home/live_home.h"
+#include "roomwise/service/access/pairing_door.h"
+#include "roomwise/service/access/rate_limit.h"
+#include "roomwise/service/server/access_routes.h"
+#include "roomwise/service/server/metrics_text.h"
+#include "roomwise/service/server/served_home.h"
 
 namespace roomwise::live {
 

@@ -5,12 +5,12 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "roomwise/live/home_routes.h"
+#include "roomwise/live/routes/home_routes.h"
 #include "roomwise/pipeline/edits/edit_rooms.h"
 #include "roomwise/pipeline/edits/walk_edits.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
-#include "roomwise/service/client.h"
-#include "roomwise/service/pairing_proof.h"
+#include "roomwise/service/client/client.h"
+#include "roomwise/service/credentials/pairing_proof.h"
 #include "roomwise/service/testing/testing_service.h"
 
 namespace roomwise::live {

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <thread>
 
-#include "roomwise/service/certificate.h"
-#include "roomwise/service/private_folder.h"
+#include "roomwise/service/credentials/certificate.h"
+#include "roomwise/service/credentials/private_folder.h"
 
 namespace roomwise::trials {
 namespace {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "roomwise/home/home.h"
-#include "roomwise/live/live_home.h"
-#include "roomwise/service/client.h"
+#include "roomwise/live/home/live_home.h"
+#include "roomwise/service/client/client.h"
 
 namespace roomwise::trials {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "roomwise/service/prompt_message.h"
+#include "roomwise/service/protocol/prompt_message.h"
 
 namespace roomwise::trials {
 

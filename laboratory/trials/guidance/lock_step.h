@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "roomwise/guide/prompt.h"
-#include "roomwise/service/client.h"
-#include "roomwise/service/messages.h"
+#include "roomwise/service/client/client.h"
+#include "roomwise/service/protocol/messages.h"
 
 namespace roomwise::trials {
 

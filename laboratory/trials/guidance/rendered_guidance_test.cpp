@@ -13,7 +13,7 @@
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/walk_into_home.h"
 #include "roomwise/recording/open_recording.h"
-#include "roomwise/service/prompt_message.h"
+#include "roomwise/service/protocol/prompt_message.h"
 
 namespace roomwise::trials {
 namespace {

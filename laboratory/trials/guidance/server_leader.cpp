@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "roomwise/image/codec.h"
-#include "roomwise/live/led_walk.h"
-#include "roomwise/live/trial_question.h"
+#include "roomwise/live/device/led_walk.h"
+#include "roomwise/live/device/trial_question.h"
 
 namespace roomwise::trials {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "laboratory/trials/guidance/leader.h"
 #include "roomwise/geometry/rigid_transform.h"
-#include "roomwise/service/messages.h"
+#include "roomwise/service/protocol/messages.h"
 
 namespace roomwise::trials {
 

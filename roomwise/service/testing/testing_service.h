@@ -20,8 +20,8 @@
 #include <vector>
 
 #include "roomwise/base/testing/testing.h"
-#include "roomwise/service/access_routes.h"
-#include "roomwise/service/server.h"
+#include "roomwise/service/server/access_routes.h"
+#include "roomwise/service/server/server.h"
 
 // A server on this machine and clients that may say anything. Not part of the product.
 namespace roomwise::service::testing {

@@ -1,0 +1,646 @@
+#include "roomwise/live/device/answers.h"
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "roomwise/guide/legs.h"
+#include "roomwise/guide/questions/home_prompts.h"
+#include "roomwise/guide/questions/refusal_prompts.h"
+#include "roomwise/guide/room_prompts.h"
+#include "roomwise/guide/route_prompts.h"
+#include "roomwise/guide/spot_prompts.h"
+#include "roomwise/guide/surfaces.h"
+#include "roomwise/guide/thing_prompts.h"
+
+namespace roomwise::live {
+namespace {
+
+const guide::MessageCatalogue& catalogue() {
+  static const guide::MessageCatalogue built_in = guide::MessageCatalogue::built_in();
+  return built_in;
+}
+
+// The language that is spoken to somebody who wants `tag` ("de-AT"): English where theirs is not
+// known.
+std::string spoken_language(const std::string& tag) {
+  const std::string language = tag.substr(0, tag.find('-'));
+  return catalogue().speaks(language) ? language : "en";
+}
+
+TimestampNs nanoseconds(double t_ms) {
+  return std::llround(t_ms * 1e6);
+}
+
+// That a name is one of the way out: "way out", "exit", "front door".
+bool means_way_out(const std::string& name, const guide::Phrasebook& phrases) {
+  return std::ranges::count(phrases.words_for(guide::Noun::Kind::kThing, name),
+                            guide::kNameOfWayOut) > 0;
+}
+
+guide::TurnHint hint_of(const FrameResult& result) {
+  if (!result.more_to_see) return guide::TurnHint::kAnywhere;
+  return *result.more_to_see == pipeline::Side::kLeft ? guide::TurnHint::kLeft
+                                                      : guide::TurnHint::kRight;
+}
+
+// Of the computer's or the device's state: what there is to say instead of an answer.
+guide::Prompt excuse(const std::string& message, const guide::Wording& wording, double now_t_ms) {
+  return guide::make_prompt(wording, "answer", message, {}, guide::Confidence::kUnsure,
+                            guide::after(nanoseconds(now_t_ms), guide::kNoticeValid_s));
+}
+
+// The room by a picture. Pictures speak for no room that was not learned, and may not tell one that
+// was: then the place on the map answers.
+std::optional<rooms::RoomDecision> decision_of(const FrameResult& result, const HomeView& home) {
+  const auto& by_pictures = result.decision;
+  const bool is_named = by_pictures && by_pictures->verdict == rooms::Verdict::kRoom;
+  if (is_named || !result.place) return by_pictures;
+  auto by_place = home.room_around(result.place->position_gravity(), result.place->sigma_m);
+  if (!by_place) return by_pictures;
+  if (by_pictures) {
+    const auto learned =
+        std::ranges::find(by_pictures->rooms, by_place->room, &rooms::RoomScore::room);
+    if (learned != by_pictures->rooms.end()) {
+      if (by_pictures->allows(by_place->room)) return by_pictures;
+      // Two opinions that differ count alike (the linear opinion pool: Stone 1961).
+      by_place->score = (by_place->score + learned->score) / 2;
+    }
+  }
+  if (by_place->score < 0.5) return by_pictures;
+  rooms::RoomDecision decision;
+  decision.verdict = rooms::Verdict::kRoom;
+  decision.why = fmt::format("the place on the map lies in {}", by_place->room);
+  decision.rooms = {*std::move(by_place)};
+  return decision;
+}
+
+guide::Prompt where_am_i(const Situation& situation, const guide::Wording& wording) {
+  const HomeView& home = situation.home;
+  const FrameResult* const result = situation.result;
+  if (result != nullptr) {
+    if (const auto decision = decision_of(*result, home)) {
+      return guide::room_prompt(*decision, hint_of(*result), wording, nanoseconds(result->t_ms));
+    }
+  }
+  const bool knows_rooms = home.recognizer != nullptr || (home.map && !home.rooms.empty());
+  if (!knows_rooms) return excuse("device.nothing_learned", wording, situation.now_t_ms);
+  if (result == nullptr) return no_picture(situation.settings, situation.now_t_ms);
+  return excuse("route.no_place", wording, situation.now_t_ms);
+}
+
+// What of the map it surely is that depth shows in the way.
+const guide::KnownThing* sure_thing_ahead(const Situation& situation) {
+  const FrameResult& result = *situation.result;
+  if (!result.place) return nullptr;
+  guide::HomeMap map = map_of(situation.home, {});
+  map.today = situation.today;
+  return guide::sure_thing_of(*result.obstacle, result.place->on_floor(), map);
+}
+
+// The way from where somebody stands to the nearest thing that they mean.
+std::vector<guide::Prompt> way_to(const service::Ask& ask, const Situation& situation,
+                                  const guide::Wording& wording, TimestampNs now_ns) {
+  const HomeView& home = situation.home;
+  const std::string asked = name_asked_for(ask);
+  const auto things = things_asked_for(ask, home, wording.phrases());
+  const guide::UserLocation location = standing_of(situation.result);
+  const auto meant = guide::thing_meant(asked, things, home.concepts.vocabulary, wording.phrases());
+  if (!meant) {  // says so
+    return guide::where_prompts(asked, location, things, {}, home.concepts.vocabulary, wording,
+                                now_ns, situation.today);
+  }
+  const guide::Pose* const pose = location.sure_pose();
+  if (pose == nullptr)
+    return {guide::no_route_prompt(false, "no place on the map", wording, now_ns)};
+  const auto stairs =
+      home.map ? std::span(home.map->frame.storeys.stairs()) : std::span<const fusion::Staircase>();
+  std::optional<guide::Route> shortest;
+  std::string why = "its place is not known";
+  for (const guide::KnownThing& thing : things) {
+    if (thing.name != *meant || !thing.position_gravity || !home.map || !home.map->floor) continue;
+    auto route = guide::find_route(*home.map->floor, pose->position_gravity,
+                                   thing.position_gravity->head<2>(), {},
+                                   home.layout ? &*home.layout : nullptr, thing.room, stairs);
+    if (!route) {
+      why = route.error().message;
+    } else if (!shortest || guide::length_m(*route, stairs) < guide::length_m(*shortest, stairs)) {
+      shortest = *std::move(route);
+    }
+  }
+  if (!shortest) return {guide::no_route_prompt(true, why, wording, now_ns)};
+  return guide::route_prompts(*shortest, *pose, guide::thing(*meant).front(), doorways_of(home),
+                              wording, now_ns, stairs);
+}
+
+// The room of the home that somebody means: by its own name, or as it is called in their language.
+std::optional<std::string> room_meant(const std::string& asked, const HomeView& home,
+                                      const guide::Phrasebook& phrases) {
+  const auto has = [&](const std::string& name) {
+    return std::ranges::find(home.rooms, name, &rooms::Room::name) != home.rooms.end();
+  };
+  if (has(asked)) return asked;
+  const auto words = phrases.words_for(guide::Noun::Kind::kRoom, asked);
+  const auto found = std::ranges::find_if(words, has);
+  return found == words.end() ? std::nullopt : std::optional(*found);
+}
+
+// The home's doors as things, where they are asked for and nobody named a thing so.
+std::vector<guide::KnownThing> doors_asked_for(const std::string& asked, const HomeView& home,
+                                               const guide::UserLocation& location,
+                                               const guide::Phrasebook& phrases) {
+  std::vector<guide::KnownThing> doors;
+  if (guide::thing_meant(asked, home.things, home.concepts.vocabulary, phrases)) return doors;
+  for (const rooms::Doorway& door : guide::doors_of(doorways_of(home))) {
+    const guide::Goal goal = guide::Goal::of(door);
+    const auto words = phrases.words_for(guide::Noun::Kind::kThing, asked);
+    if (std::ranges::count(words, goal.noun.name) == 0) return {};
+    guide::KnownThing& thing = doors.emplace_back();
+    thing.name = goal.noun.name;
+    thing.probability = 1;
+    thing.position_gravity =
+        Eigen::Vector3d(door.middle_gravity.x(), door.middle_gravity.y(), 1);  // a handle's height
+    const bool leads_here = location.room && door.joins(*location.room);
+    thing.room = leads_here ? location.room : goal.room;
+  }
+  return doors;
+}
+
+std::vector<guide::Prompt> where_is(const service::Ask& ask, const Situation& situation,
+                                    const guide::Wording& wording, TimestampNs now_ns) {
+  const std::string asked = name_asked_for(ask);
+  const HomeView& home = situation.home;
+  const guide::UserLocation location = standing_of(situation.result);
+  if (const ViewedSpot* const spot = spot_asked_for(ask, home, wording.phrases())) {
+    return guide::where_prompts(spot->thing.name, location, {&spot->thing, 1}, doorways_of(home),
+                                home.concepts.vocabulary, wording, now_ns, situation.today);
+  }
+  const auto doors = doors_asked_for(asked, home, location, wording.phrases());
+  const auto things = doors.empty() ? things_asked_for(ask, home, wording.phrases()) : doors;
+  return guide::where_prompts(asked, location, things, doorways_of(home), home.concepts.vocabulary,
+                              wording, now_ns, situation.today);
+}
+
+// Of questions that rest on the picture in hand: directions, and where one stands.
+bool rests_on_picture(const service::Ask& ask) {
+  using service::Question;
+  return ask.question == Question::kWhichWay || ask.question == Question::kWhatIsAhead ||
+         (ask.question == Question::kDescribeRoom && ask.subject.empty());
+}
+
+// What the map of the home answers.
+class HomeAnswers {
+ public:
+  HomeAnswers(const Situation& situation, const guide::Wording& wording, TimestampNs now_ns)
+      : situation_(situation),
+        wording_(wording),
+        location_(standing_of(situation.result)),
+        doorways_(doorways_of(situation.home)),
+        map_(map_of(situation.home, doorways_)),
+        today_{now_ns, situation.today} {}
+
+  [[nodiscard]] std::vector<guide::Prompt> to(const service::Ask& ask) const {
+    using service::Question;
+    const HomeView& home = situation_.home;
+    if (rests_on_picture(ask) && situation_.result == nullptr) {
+      return {no_picture(situation_.settings, situation_.now_t_ms)};
+    }
+    switch (ask.question) {
+      case Question::kWhatIsOn:
+        return on(ask.subject);
+      case Question::kWhatIsAhead:
+        return guide::ahead_prompts(map_, location_, {situation_.result->has_depth, obstacle_m()},
+                                    wording_, today_);
+      case Question::kWhichWay:
+        return guide::facing_prompts(map_, location_, wording_, today_);
+      case Question::kWhatChanged:
+        return guide::change_prompts(home.latest, wording_, today_);
+      case Question::kWhichRooms:
+        return which_rooms();
+      default:
+        return of_room(ask);
+    }
+  }
+
+ private:
+  [[nodiscard]] std::optional<double> obstacle_m() const {
+    const auto& obstacle = situation_.result->obstacle;
+    return obstacle ? std::optional(obstacle->ahead_left_m.x()) : std::nullopt;
+  }
+  [[nodiscard]] std::vector<guide::Prompt> on(const std::string& asked) const {
+    const HomeView& home = situation_.home;
+    const auto surface =
+        guide::thing_meant(asked, home.things, home.concepts.vocabulary, wording_.phrases());
+    if (!surface) return unknown(guide::thing(asked));
+    return guide::on_prompts(*surface, map_, location_, wording_, today_);
+  }
+  [[nodiscard]] std::vector<guide::Prompt> which_rooms() const {
+    std::vector<std::string> names;
+    for (const rooms::Room& room : situation_.home.rooms) names.push_back(room.name);
+    return guide::rooms_prompts(names, wording_, today_);
+  }
+  // Where it is, what is in it, or how it is.
+  [[nodiscard]] std::vector<guide::Prompt> of_room(const service::Ask& ask) const {
+    if (ask.subject.empty() && !location_.room) {
+      return {excuse("route.no_place", wording_, situation_.now_t_ms)};
+    }
+    const std::string asked = ask.subject.empty() ? *location_.room : ask.subject;
+    const auto room = room_meant(asked, situation_.home, wording_.phrases());
+    if (!room) return unknown(guide::room(asked));
+    switch (ask.question) {
+      case service::Question::kWhatIsIn:
+        return guide::in_prompts(*room, map_, wording_, today_);
+      case service::Question::kDescribeRoom:
+        return guide::describe_prompts(*room, map_, location_, wording_, today_);
+      default:
+        return guide::room_way_prompts(*room, map_, location_, wording_, today_);
+    }
+  }
+  [[nodiscard]] std::vector<guide::Prompt> unknown(const guide::Nouns& name) const {
+    const guide::Understood heard{guide::Understood::Outcome::kUnknownName,
+                                  guide::QuestionType::kNamed, name};
+    return guide::refusal_prompts(heard, names_in(situation_.home), wording_, today_.now_ns);
+  }
+
+  const Situation& situation_;
+  const guide::Wording& wording_;
+  guide::UserLocation location_;
+  std::vector<rooms::Doorway> doorways_;
+  guide::HomeMap map_;
+  guide::Today today_;
+};
+
+std::optional<service::GuideWish> wish_of(guide::QuestionType type) {
+  using guide::QuestionType;
+  switch (type) {
+    case QuestionType::kPause:
+      return service::GuideWish::kPause;
+    case QuestionType::kResume:
+      return service::GuideWish::kResume;
+    case QuestionType::kHowFar:
+      return service::GuideWish::kHowFar;
+    case QuestionType::kNext:
+      return service::GuideWish::kNext;
+    case QuestionType::kBlocked:
+      return service::GuideWish::kBlocked;
+    case QuestionType::kEnd:
+      return service::GuideWish::kEnd;
+    default:
+      return std::nullopt;
+  }
+}
+
+// Of what is no wish to a guide; absent for a "yes" to nothing.
+std::optional<service::Question> question_of(guide::QuestionType type, bool is_room) {
+  using guide::QuestionType;
+  using service::Question;
+  switch (type) {
+    case QuestionType::kWhereAmI:
+      return Question::kWhereAmI;
+    case QuestionType::kAroundMe:
+      return Question::kAroundMe;
+    case QuestionType::kWhereIs:
+      return Question::kWhereIs;
+    case QuestionType::kWayTo:
+      return Question::kWayTo;
+    case QuestionType::kTakeMeTo:
+    case QuestionType::kTakeMeOut:
+      return Question::kTakeMeTo;
+    case QuestionType::kWhatIsOn:
+      return Question::kWhatIsOn;
+    case QuestionType::kWhatIsIn:
+      return Question::kWhatIsIn;
+    case QuestionType::kWhichRooms:
+      return Question::kWhichRooms;
+    case QuestionType::kWhichWay:
+      return Question::kWhichWay;
+    case QuestionType::kWhatIsAhead:
+      return Question::kWhatIsAhead;
+    case QuestionType::kWhatChanged:
+      return Question::kWhatChanged;
+    case QuestionType::kDescribeRoom:
+      return Question::kDescribeRoom;
+    case QuestionType::kRepeat:
+      return Question::kRepeat;
+    case QuestionType::kWhatCanIAsk:
+      return Question::kWhatCanIAsk;
+    case QuestionType::kTeachThing:
+      return Question::kTeachThing;
+    case QuestionType::kForgetThing:
+      return Question::kForgetThing;
+    case QuestionType::kShareThing:
+      return Question::kShareThing;
+    case QuestionType::kKeepThing:
+      return Question::kKeepThing;
+    case QuestionType::kMarkSpot:
+      return Question::kMarkSpot;
+    case QuestionType::kTakeMeBack:
+      return Question::kTakeMeBack;
+    case QuestionType::kWhichSpots:
+      return Question::kWhichSpots;
+    case QuestionType::kForgetSpot:
+      return Question::kForgetSpot;
+    case QuestionType::kWhoIsHere:
+      return Question::kWhoIsHere;
+    case QuestionType::kIsItLight:
+      return Question::kIsItLight;
+    case QuestionType::kNamed:  // a room is told of, a thing is looked for
+      return is_room ? Question::kDescribeRoom : Question::kWhereIs;
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace
+
+guide::HomeNames names_in(const HomeView& home) {
+  guide::HomeNames names;
+  std::set<std::string> things;
+  for (const guide::KnownThing& thing : home.things) things.insert(thing.name);
+  names.things.assign(things.begin(), things.end());
+  for (const rooms::Room& room : home.rooms) names.rooms.push_back(room.name);
+  if (!guide::doors_of(doorways_of(home)).empty()) names.goals = {"door"};
+  names.goals.emplace_back(
+      guide::kNameOfWayOut);  // who asks where none is known hears how to mend it
+  for (const ViewedSpot& spot : home.spots) {
+    const bool is_named = spot.thing.name == spot.stored.name;
+    (is_named ? names.spots : names.goals).push_back(spot.thing.name);
+  }
+  names.vocabulary = &home.concepts.vocabulary;
+  return names;
+}
+
+std::optional<service::Ask> ask_of(const guide::Understood& heard, const service::Ask& in_words) {
+  if (heard.outcome != guide::Understood::Outcome::kQuestion) return std::nullopt;
+  const bool is_room = !heard.names.empty() && heard.names.front().kind == guide::Noun::Kind::kRoom;
+  service::Ask ask;
+  ask.id = in_words.id;
+  ask.t_ms = in_words.t_ms;
+  if (!heard.names.empty()) ask.subject = heard.names.front().name;
+  if (!heard.rooms.empty()) ask.in_room = heard.rooms.front().name;
+  if (const auto wish = wish_of(heard.type)) {
+    ask.question = service::Question::kGuide;
+    ask.wish = *wish;
+    return ask;
+  }
+  const auto question = question_of(heard.type, is_room);
+  if (!question) return std::nullopt;
+  ask.question = *question;
+  ask.is_way_out = heard.type == guide::QuestionType::kTakeMeOut;
+  ask.is_room = is_room && (ask.question == service::Question::kWhereIs ||
+                            ask.question == service::Question::kTakeMeTo);
+  return ask;
+}
+
+const ViewedSpot* spot_called(const std::string& name, const HomeView& home) {
+  const auto found = std::ranges::find_if(
+      home.spots, [&](const ViewedSpot& spot) { return spot.thing.name == name; });
+  return found == home.spots.end() ? nullptr : &*found;
+}
+
+const ViewedSpot* spot_asked_for(const service::Ask& ask, const HomeView& home,
+                                 const guide::Phrasebook& phrases) {
+  const ViewedSpot* const called = spot_called(name_asked_for(ask), home);
+  if (!asks_for_way_out(ask, home, phrases)) return called;
+  // One whose walk was forgotten leads nowhere, and must not stand before a way out that is known.
+  const auto leads_out = [&](const ViewedSpot& spot) {
+    return spot.thing.position_gravity && means_way_out(spot.thing.name, phrases);
+  };
+  if (called != nullptr && leads_out(*called)) return called;
+  const auto found = std::ranges::find_if(home.spots, leads_out);
+  return found == home.spots.end() ? nullptr : &*found;
+}
+
+bool asks_for_way_out(const service::Ask& ask, const HomeView& home,
+                      const guide::Phrasebook& phrases) {
+  if (ask.is_way_out) return true;
+  if (ask.is_room || !means_way_out(ask.subject, phrases)) return false;
+  const auto thing =
+      guide::thing_meant(ask.subject, home.things, home.concepts.vocabulary, phrases);
+  return !thing || *thing == guide::kNameOfWayOut;
+}
+
+std::string name_asked_for(const service::Ask& ask) {
+  return ask.is_way_out ? guide::kNameOfWayOut : ask.subject;
+}
+
+bool means_something(const std::string& name, const HomeView& home, const guide::Wording& wording) {
+  const guide::Phrasebook& phrases = wording.phrases();
+  return guide::thing_meant(name, home.things, home.concepts.vocabulary, phrases).has_value() ||
+         room_meant(name, home, phrases).has_value();
+}
+
+std::vector<guide::KnownThing> things_asked_for(const service::Ask& ask, const HomeView& home,
+                                                const guide::Phrasebook& phrases) {
+  const bool is_way_out = asks_for_way_out(ask, home, phrases);
+  std::vector<guide::KnownThing> things;
+  for (const guide::KnownThing& thing : home.things) {
+    if (!ask.in_room.empty() && thing.room != ask.in_room) continue;
+    if (is_way_out && !means_way_out(thing.name, phrases)) continue;
+    things.push_back(thing);
+    if (is_way_out) things.back().name = guide::kNameOfWayOut;
+  }
+  return things;
+}
+
+std::vector<std::string> rooms_to_choose(const service::Ask& ask, const HomeView& home,
+                                         const guide::UserLocation& location,
+                                         const guide::Wording& wording) {
+  constexpr std::size_t kMost = 4;  // more are no choice to remember: then it is the nearest
+  const bool is_of_thing = ask.question == service::Question::kTakeMeTo && !ask.is_room &&
+                           !ask.is_way_out && ask.in_room.empty() &&
+                           spot_called(ask.subject, home) == nullptr;
+  if (!is_of_thing) return {};
+  const auto meant =
+      guide::thing_meant(ask.subject, home.things, home.concepts.vocabulary, wording.phrases());
+  std::set<std::string> rooms;
+  for (const guide::KnownThing& thing : home.things) {
+    if (thing.name != meant) continue;
+    if (!thing.room || thing.room == location.room) return {};
+    rooms.insert(*thing.room);
+  }
+  if (rooms.size() < 2 || rooms.size() > kMost) return {};
+  return {rooms.begin(), rooms.end()};
+}
+
+std::optional<std::string> way_back(const HomeView& home, std::int64_t now_s) {
+  constexpr std::int64_t kHalfADay_s = 12 * 60 * 60;
+  const ViewedSpot* const remembered = spot_called(guide::kRememberedPlace, home);
+  const ViewedSpot* const start = spot_called(guide::kStartingPlace, home);
+  const bool is_recent = remembered != nullptr && now_s - remembered->stored.marked_s < kHalfADay_s;
+  if (is_recent || (remembered != nullptr && start == nullptr)) return guide::kRememberedPlace;
+  return start != nullptr ? std::optional<std::string>(guide::kStartingPlace) : std::nullopt;
+}
+
+guide::Prompt excuse_for(const HomeView& home, bool has_picture, const guide::Wording& wording,
+                         double now_t_ms) {
+  const bool has_map = !home.walks.empty();
+  return excuse(has_map && !has_picture ? "device.no_picture" : "device.no_map", wording, now_t_ms);
+}
+
+guide::Wording wording_of(const service::SpeakingSettings& settings) {
+  const auto unit = settings.distances == service::Distances::kSteps ? guide::DistanceUnit::kSteps
+                                                                     : guide::DistanceUnit::kMetres;
+  return {&catalogue(), {spoken_language(settings.language), unit, settings.step_m}};
+}
+
+guide::UserLocation standing_of(const FrameResult* result) {
+  guide::UserLocation location;
+  if (result == nullptr) return location;
+  if (result->place) {
+    location.pose = result->place->on_floor();
+    location.room = result->place->room;
+  }
+  if (!location.room && result->decision) location.room = result->decision->room();
+  return location;
+}
+
+std::vector<std::string> names_of_things(const HomeView& home,
+                                         const service::SpeakingSettings& settings) {
+  const guide::Wording wording = wording_of(settings);
+  std::set<std::string> names;
+  for (const guide::KnownThing& thing : home.things) {
+    names.insert(wording.phrases().called({guide::Noun::Kind::kThing, thing.name}));
+  }
+  return {names.begin(), names.end()};
+}
+
+std::vector<service::ThingInRooms> things_in_rooms(const HomeView& home,
+                                                   const service::SpeakingSettings& settings) {
+  const guide::Wording wording = wording_of(settings);
+  std::map<std::string, std::set<std::string>> rooms_of;  // "": of one it is not known
+  for (const guide::KnownThing& thing : home.things) {
+    const std::string name = wording.phrases().called({guide::Noun::Kind::kThing, thing.name});
+    rooms_of[name].insert(thing.room.value_or(""));
+  }
+  std::vector<service::ThingInRooms> several;
+  for (const auto& [name, rooms] : rooms_of) {
+    if (rooms.size() > 1 && !rooms.contains(""))
+      several.push_back({name, {rooms.begin(), rooms.end()}});
+  }
+  return several;
+}
+
+guide::Prompt no_picture(const service::SpeakingSettings& settings, double now_t_ms) {
+  return excuse("device.no_picture", wording_of(settings), now_t_ms);
+}
+
+std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situation) {
+  const guide::Wording wording = wording_of(situation.settings);
+  const guide::UserLocation location = standing_of(situation.result);
+  // What rests on a picture is true of the moment when it was taken.
+  const TimestampNs now_ns =
+      nanoseconds(situation.result != nullptr ? situation.result->t_ms : situation.now_t_ms);
+  switch (ask.question) {
+    case service::Question::kWhereAmI:
+      return {where_am_i(situation, wording)};
+    case service::Question::kAroundMe:
+      if (situation.home.walks.empty()) {
+        return {excuse("device.no_map", wording, situation.now_t_ms)};
+      }
+      if (situation.result == nullptr) return {no_picture(situation.settings, situation.now_t_ms)};
+      return guide::around_prompts(location, situation.home.things, wording, now_ns,
+                                   situation.today);
+    case service::Question::kWhereIs:
+      if (ask.is_room) return HomeAnswers(situation, wording, now_ns).to(ask);
+      return where_is(ask, situation, wording, now_ns);
+    case service::Question::kTakeMeTo:  // who cannot be led is told
+      if (ask.is_room) return HomeAnswers(situation, wording, now_ns).to(ask);
+      [[fallthrough]];
+    case service::Question::kWayTo:
+      if (spot_asked_for(ask, situation.home, wording.phrases()) != nullptr) {
+        return where_is(ask, situation, wording, now_ns);
+      }
+      return way_to(ask, situation, wording, now_ns);
+    case service::Question::kNameRoom:
+      return {guide::named_prompt(ask.subject, wording, nanoseconds(situation.now_t_ms))};
+    case service::Question::kGuide:
+      return {excuse("guide.not_running", wording, situation.now_t_ms)};
+    case service::Question::kRepeat:
+      return {excuse("repeat.nothing", wording, situation.now_t_ms)};
+    case service::Question::kWhatCanIAsk:
+      return guide::example_prompts(names_in(situation.home), wording, now_ns);
+    case service::Question::kInWords:     // was understood before
+    case service::Question::kTeachThing:  // these have been done
+    case service::Question::kNameThing:
+    case service::Question::kStopTeaching:
+    case service::Question::kForgetThing:
+    case service::Question::kShareThing:
+    case service::Question::kKeepThing:
+    case service::Question::kMarkSpot:
+    case service::Question::kWhichSpots:
+    case service::Question::kForgetSpot:
+    case service::Question::kRenameSpot:
+    case service::Question::kWhoIsHere:
+    case service::Question::kIsItLight:
+      break;
+    case service::Question::kTakeMeBack:  // there is no way back
+      return {guide::spot_prompt(guide::SpotStep::kNoWayBack, "", wording, now_ns)};
+    case service::Question::kWhatIsOn:
+    case service::Question::kWhatIsIn:
+    case service::Question::kWhichRooms:
+    case service::Question::kWhichWay:
+    case service::Question::kWhatIsAhead:
+    case service::Question::kWhatChanged:
+    case service::Question::kDescribeRoom:
+      return HomeAnswers(situation, wording, now_ns).to(ask);
+  }
+  return {};
+}
+
+bool Announcer::is_obstacle_news(const FrameResult& result, bool is_named) {
+  using Side = guide::ObstacleAhead::Side;
+  constexpr double kToldFor_s = 1.5;  // with each picture, so that it is heard if one is lost
+  constexpr double kAgain_s = 12;     // who stands there hears whole sentences in between
+  constexpr double kGone_s = 2;
+  constexpr double kNearer_m = 0.25;
+  const double t_s = result.t_ms / 1000;
+  const double distance_m = result.obstacle->ahead_left_m.x();
+  const Side side = result.obstacle->side;
+  const bool is_new = !obstacle_ || t_s - obstacle_->seen_s > kGone_s || t_s < obstacle_->told_s ||
+                      t_s - obstacle_->told_s > kAgain_s ||
+                      distance_m < obstacle_->told_m - kNearer_m ||
+                      (obstacle_->was_named && !is_named) ||
+                      (obstacle_->side != Side::kAhead && obstacle_->side != side);
+  if (is_new) obstacle_ = Obstacle{t_s, t_s, distance_m, side, is_named};
+  obstacle_->seen_s = t_s;
+  return t_s - obstacle_->told_s < kToldFor_s;
+}
+
+std::vector<guide::Prompt> Announcer::after(const Situation& situation, bool tells_obstacles) {
+  std::vector<guide::Prompt> prompts;
+  const FrameResult& result = *situation.result;
+  if (!tells_obstacles) {
+    obstacle_.reset();
+  } else if (result.obstacle) {
+    const guide::KnownThing* const thing = sure_thing_ahead(situation);
+    if (is_obstacle_news(result, thing != nullptr)) {
+      prompts.push_back(guide::hazard_prompt(
+          *result.obstacle, thing, wording_of(situation.settings), nanoseconds(result.t_ms)));
+    }
+  }
+  const auto decision = decision_of(result, situation.home);
+  if (!decision) return prompts;
+  const std::string before = std::exchange(room_now_, decision->room().value_or(""));
+  // Two looks must agree: one may fall on a mirror, or through a door.
+  const bool is_certain = !room_now_.empty() && room_now_ == before;
+  if (!is_certain || room_now_ == room_called_) return prompts;
+  // Nothing where it is not sure enough to be said unasked; a later look may be.
+  if (auto prompt = guide::entered_prompt(*decision, wording_of(situation.settings),
+                                          nanoseconds(result.t_ms))) {
+    room_called_ = room_now_;
+    prompts.push_back(*std::move(prompt));
+  }
+  return prompts;
+}
+
+void Announcer::answered(const Situation& situation, const std::vector<guide::Prompt>& prompts) {
+  const bool names_the_room =
+      std::ranges::any_of(prompts, [](const auto& one) { return one.message == "room.is"; });
+  if (!names_the_room || situation.result == nullptr) return;
+  if (const auto decision = decision_of(*situation.result, situation.home)) {
+    room_called_ = decision->room().value_or(room_called_);
+  }
+}
+
+}  // namespace roomwise::live

@@ -1,0 +1,202 @@
+#include "roomwise/live/device/led_walk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "roomwise/guide/thing_prompts.h"
+
+namespace roomwise::live {
+namespace {
+
+using guide::Goal;
+using guide::Noun;
+
+// Of several the one that costs the least way, where a whole way is known; else the surest.
+std::optional<Goal> nearest(std::vector<Goal> goals, const guide::HomeMap& map,
+                            const guide::UserLocation& location) {
+  if (goals.empty()) return std::nullopt;
+  std::size_t best = 0;
+  double min_m = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; goals.size() > 1 && i < goals.size(); ++i) {
+    const guide::Plan plan = guide::plan_way(map, location, goals[i]);
+    if (plan.reach != guide::Reach::kWhole) continue;
+    const auto stairs = map.storeys != nullptr ? std::span(map.storeys->stairs())
+                                               : std::span<const fusion::Staircase>();
+    const double way_m = guide::length_m(plan.route, stairs);
+    if (way_m >= min_m) continue;
+    min_m = way_m;
+    best = i;
+  }
+  return goals[best];
+}
+
+bool is_called(const std::string& asked, const std::string& word,
+               const guide::Phrasebook& phrases) {
+  return std::ranges::count(phrases.words_for(Noun::Kind::kThing, asked), word) > 0;
+}
+
+std::optional<Goal> room_called(const std::string& asked, const HomeView& home,
+                                const guide::Phrasebook& phrases) {
+  if (!home.layout) return std::nullopt;
+  std::vector<std::string> names = phrases.words_for(Noun::Kind::kRoom, asked);
+  names.insert(names.begin(), asked);
+  for (const std::string& name : names) {
+    for (const rooms::RoomExtent& room : home.layout->rooms()) {
+      if (room.name == name) return Goal::of(room);
+    }
+  }
+  return std::nullopt;
+}
+
+guide::HomeMap map_on(const std::optional<CalendarTime>& today, const HomeView& home,
+                      std::span<const rooms::Doorway> doorways) {
+  guide::HomeMap map = map_of(home, doorways);
+  map.today = today;
+  return map;
+}
+
+Goal goal_of(const ViewedSpot& spot) {
+  Goal goal;
+  goal.kind = Goal::Kind::kSpot;
+  goal.noun = {Noun::Kind::kThing, spot.thing.name};
+  goal.room = spot.thing.room;
+  if (spot.thing.position_gravity) {
+    goal.outline.emplace();
+    goal.outline->middle_gravity = spot.thing.position_gravity->head<2>();
+  }
+  return goal;
+}
+
+// A spot, the way out, a thing of the home, a room, or "door": the nearest one.
+std::optional<Goal> goal_of(const service::Ask& asked, const HomeView& home,
+                            std::span<const rooms::Doorway> doorways, const Situation& situation) {
+  const guide::UserLocation location = standing_of(situation.result);
+  const guide::Wording wording = wording_of(situation.settings);
+  const guide::HomeMap map = map_of(home, doorways);
+  const guide::Phrasebook& phrases = wording.phrases();
+  if (!asked.is_room) {
+    if (const ViewedSpot* const spot = spot_asked_for(asked, home, phrases)) return goal_of(*spot);
+    const auto things = things_asked_for(asked, home, phrases);
+    const auto meant =
+        guide::thing_meant(name_asked_for(asked), things, home.concepts.vocabulary, phrases);
+    std::vector<Goal> goals;
+    for (const guide::KnownThing& thing : things) {
+      if (!meant || thing.name != *meant) continue;
+      goals.push_back(Goal::of(thing, situation.today, home.things));
+      if (thing.name == guide::kNameOfWayOut) goals.back().kind = Goal::Kind::kWayOut;
+    }
+    if (auto goal = nearest(std::move(goals), map, location)) return goal;
+  }
+  if (auto room = room_called(asked.subject, home, phrases)) return room;
+  std::vector<Goal> doors;
+  if (is_called(asked.subject, "door", phrases)) {
+    for (const rooms::Doorway& door : guide::doors_of(doorways)) doors.push_back(Goal::of(door));
+  }
+  return nearest(std::move(doors), map, location);
+}
+
+}  // namespace
+
+LedWalk::LedWalk(service::Ask asked, std::shared_ptr<const HomeView> home, Goal goal,
+                 const Situation& situation)
+    : asked_(std::move(asked)),
+      settings_(situation.settings),
+      today_(situation.today),
+      home_(std::move(home)),
+      doorways_(doorways_of(*home_)),
+      guidance_(std::make_unique<guide::Guidance>(map_on(today_, *home_, doorways_),
+                                                  std::move(goal), wording_of(settings_))) {}
+
+std::unique_ptr<LedWalk> LedWalk::to(const service::Ask& goal,
+                                     const std::shared_ptr<const HomeView>& home,
+                                     const Situation& situation) {
+  const std::vector<rooms::Doorway> doorways = doorways_of(*home);
+  auto found = goal_of(goal, *home, doorways, situation);
+  if (!found) return nullptr;
+  return std::unique_ptr<LedWalk>(new LedWalk(goal, home, *std::move(found), situation));
+}
+
+TimestampNs LedWalk::at(double t_ms) {
+  now_ns_ = std::max(now_ns_, static_cast<TimestampNs>(std::llround(t_ms * 1e6)));
+  return now_ns_;
+}
+
+guide::Prompt LedWalk::begin(const Situation& situation) {
+  const guide::UserLocation location = standing_of(situation.result);
+  guide::Walker walker;
+  walker.now_ns = at(situation.now_t_ms);
+  walker.pose = location.pose;
+  walker.pose_ns =
+      situation.result != nullptr ? std::llround(situation.result->t_ms * 1e6) : walker.now_ns;
+  walker.room = location.room;
+  if (auto prompt = guidance_->update(walker)) return *std::move(prompt);
+  return guidance_->request(guide::GuidanceRequest::kRepeat, walker.now_ns);
+}
+
+std::vector<guide::Prompt> LedWalk::after(const FrameResult& result,
+                                          const std::shared_ptr<const HomeView>& home) {
+  // What helpers look at may be fused later: the floor and the places stay what they are.
+  const bool is_same_map =
+      home->map == home_->map || (home->map && home_->map && home->map->localizer &&
+                                  home->map->localizer == home_->map->localizer);
+  if (!is_same_map && !is_over()) {
+    const Situation now{*home, &result, settings_, result.t_ms, today_};
+    if (auto anew = to(asked_, home, now)) {
+      anew->now_ns_ = now_ns_;
+      *this = std::move(*anew);
+    }
+  }
+  const guide::UserLocation location = standing_of(&result);
+  guide::Walker walker;
+  walker.now_ns = at(result.t_ms);
+  walker.pose = location.pose;
+  walker.pose_ns = std::llround(result.t_ms * 1e6);
+  walker.room = location.room;
+  if (result.obstacle) walker.obstacle_m = result.obstacle->ahead_left_m.x();
+  walker.obstacles = result.obstacles;
+  auto prompt = guidance_->update(walker);
+  if (!prompt) return {};
+  return {*std::move(prompt)};
+}
+
+std::optional<service::Aim> LedWalk::aim(double taken_t_ms) const {
+  constexpr double kValid_ms = 1000;  // who turns has turned away by then
+  const auto aim = guidance_->aim();
+  if (!aim) return std::nullopt;
+  return service::Aim{taken_t_ms, aim->bearing_rad / guide::kDegree_rad, aim->distance_m,
+                      taken_t_ms + kValid_ms};
+}
+
+guide::Prompt LedWalk::hear(service::GuideWish wish, double now_t_ms) {
+  using service::GuideWish;
+  const auto request = [&] {
+    switch (wish) {
+      case GuideWish::kPause:
+        return guide::GuidanceRequest::kPause;
+      case GuideWish::kResume:
+        return guide::GuidanceRequest::kResume;
+      case GuideWish::kHowFar:
+        return guide::GuidanceRequest::kHowFar;
+      case GuideWish::kNext:
+        return guide::GuidanceRequest::kNext;
+      case GuideWish::kBlocked:
+        return guide::GuidanceRequest::kBlocked;
+      case GuideWish::kEnd:
+        break;
+    }
+    return guide::GuidanceRequest::kEnd;
+  };
+  return guidance_->request(request(), at(now_t_ms));
+}
+
+guide::Plan LedWalk::plan_from(const Situation& situation) const {
+  return guide::plan_way(map_on(today_, *home_, doorways_), standing_of(situation.result),
+                         guidance_->goal());
+}
+
+guide::Prompt LedWalk::repeat(double now_t_ms) {
+  return guidance_->request(guide::GuidanceRequest::kRepeat, at(now_t_ms));
+}
+
+}  // namespace roomwise::live

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "roomwise/guide/guidance.h"
+#include "roomwise/live/device/answers.h"
+
+namespace roomwise::live {
+
+// Somebody who is led to a goal in a home. What the home knew when it began is kept; where the map
+// is made anew, it begins again on the new one.
+class LedWalk {
+ public:
+  // Nothing where the home has no such goal, or nobody knows where: answer() says so then.
+  [[nodiscard]] static std::unique_ptr<LedWalk> to(const service::Ask& goal,
+                                                   const std::shared_ptr<const HomeView>& home,
+                                                   const Situation& situation);
+
+  // The answer to who asked to be led: never nothing.
+  [[nodiscard]] guide::Prompt begin(const Situation& situation);
+  // After each picture that was looked at.
+  [[nodiscard]] std::vector<guide::Prompt> after(const FrameResult& result,
+                                                 const std::shared_ptr<const HomeView>& home);
+  [[nodiscard]] guide::Prompt hear(service::GuideWish wish, double now_t_ms);
+  [[nodiscard]] guide::Prompt repeat(double now_t_ms);
+  // The way from where somebody stands then, whatever has been walked.
+  [[nodiscard]] guide::Plan plan_from(const Situation& situation) const;
+  [[nodiscard]] bool is_over() const { return guidance_->is_over(); }
+  // By the picture that was looked at last, of that time (guide::Guidance).
+  [[nodiscard]] std::optional<service::Aim> aim(double taken_t_ms) const;
+  // Of what is in the way (guide::Guidance).
+  [[nodiscard]] bool judges_obstacles() const { return guidance_->judges_obstacles(now_ns_); }
+
+ private:
+  LedWalk(service::Ask asked, std::shared_ptr<const HomeView> home, guide::Goal goal,
+          const Situation& situation);
+  [[nodiscard]] TimestampNs at(double t_ms);
+
+  service::Ask asked_;
+  service::SpeakingSettings settings_;
+  std::optional<CalendarTime> today_;  // when it was asked for
+  std::shared_ptr<const HomeView> home_;
+  std::vector<rooms::Doorway> doorways_;
+  std::unique_ptr<guide::Guidance> guidance_;
+  TimestampNs now_ns_ = 0;  // never goes back, as pictures and questions may
+};
+
+}  // namespace roomwise::live

@@ -1,0 +1,235 @@
+#include "roomwise/live/device/led_walk.h"
+
+#include <gmock/gmock.h>
+
+#include "roomwise/guide/spot_prompts.h"
+
+namespace roomwise::live {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+constexpr double kTick_ms = 200;
+
+std::shared_ptr<HomeView> home_with_microwave() {
+  LiveMap map;  // with a floor of 6 x 4 m that is free
+  map.floor.emplace(Eigen::Vector2d(-1, -2), 0.05,
+                    image::Image<fusion::FloorCell>(120, 80, fusion::FloorCell::kFree));
+  auto home = std::make_shared<HomeView>();
+  home->map = std::make_shared<const LiveMap>(std::move(map));
+  guide::KnownThing thing;
+  thing.name = "microwave";
+  thing.probability = 0.99;
+  thing.position_gravity = Eigen::Vector3d(4, 0, 1.2);
+  thing.box_keyframe.size_m = {0.5, 0.5, 0.5};
+  home->things = {thing};
+  return home;
+}
+
+// A camera 1.3 m up, that looks along x.
+FrameResult picture_at(const Eigen::Vector2d& place, double t_ms) {
+  Eigen::Matrix3d gravity_from_camera;
+  gravity_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  FrameResult result;
+  result.t_ms = t_ms;
+  result.place.emplace();
+  result.place->gravity_from_camera = {Eigen::Quaterniond(gravity_from_camera),
+                                       {place.x(), place.y(), 1.3}};
+  result.place->sigma_m = 0.03;
+  return result;
+}
+
+service::Ask ask_for(const std::string& goal) {
+  return {1, 1000, service::Question::kTakeMeTo, goal};
+}
+
+class LedWalkTest : public ::testing::Test {
+ protected:
+  [[nodiscard]] Situation at(const FrameResult& result) const {
+    return {*home, &result, settings, result.t_ms};
+  }
+  std::vector<std::string> walk(LedWalk& led, double seconds, double speed_m_s) {
+    std::vector<std::string> said;
+    for (double passed_ms = 0; passed_ms < 1000 * seconds; passed_ms += kTick_ms) {
+      t_ms += kTick_ms;
+      x_m += speed_m_s * kTick_ms / 1000;
+      for (const guide::Prompt& prompt : led.after(picture_at({x_m, 0}, t_ms), home)) {
+        said.push_back(prompt.text);
+      }
+    }
+    return said;
+  }
+
+  std::shared_ptr<HomeView> home = home_with_microwave();
+  service::SpeakingSettings settings;
+  double t_ms = 1000, x_m = 0;
+};
+
+TEST_F(LedWalkTest, LeadsAlongWithThePicturesThatCome) {
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+  ASSERT_NE(led, nullptr);
+  EXPECT_THAT(led->begin(at(first)).text, StartsWith("To the microwave: about 4"));
+  EXPECT_THAT(walk(*led, 6, 0), ::testing::ElementsAre("The microwave is ahead of you.",
+                                                       StartsWith("Straight on, 3.5")));
+  const auto said = walk(*led, 12, 0.5);
+  EXPECT_THAT(said, ::testing::Contains("You are there: the microwave ahead, in reach."));
+  EXPECT_THAT(said, ::testing::Contains("At chest height."));
+  EXPECT_TRUE(led->is_over());
+}
+
+TEST_F(LedWalkTest, TellsWhatTheGoalLiesOn) {
+  guide::KnownThing& shelf = home->things.emplace_back(home->things[0]);
+  shelf.name = "shelf";
+  shelf.position_gravity->z() = 0.45;
+  shelf.box_keyframe.size_m = {0.8, 0.8, 0.9};
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+  (void)led->begin(at(first));
+  (void)walk(*led, 6, 0);
+  const auto said = walk(*led, 20, 0.5);
+  EXPECT_THAT(said, ::testing::IsSupersetOf({"On the shelf.", "At chest height."}));
+  shelf.probability = 0.2;
+  EXPECT_EQ(guide::Goal::of(home->things[0], {}, home->things).on, "") << "it may be gone";
+}
+
+TEST_F(LedWalkTest, NearTheGoalItTellsWhereItIsByTheNewestPicture) {
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+  (void)led->begin(at(first));
+  (void)walk(*led, 6, 0);
+  EXPECT_FALSE(led->aim(t_ms)) << "3.75 m away";
+  (void)walk(*led, 5, 0.5);
+  const auto aim = led->aim(t_ms);
+  ASSERT_TRUE(aim);
+  EXPECT_EQ(aim->t_ms, t_ms);
+  EXPECT_EQ(aim->valid_until_t_ms, t_ms + 1000);
+  EXPECT_NEAR(aim->distance_m, 3.75 - x_m, 0.05);
+  EXPECT_NEAR(aim->bearing_degrees, 0, 5);
+  FrameResult unsure = picture_at({x_m, 0}, t_ms + 200);
+  unsure.place->sigma_m = 0.4;
+  (void)led->after(unsure, home);
+  EXPECT_FALSE(led->aim(t_ms));
+  FrameResult blind = picture_at({x_m, 0}, t_ms + 400);
+  blind.place.reset();
+  (void)led->after(blind, home);
+  EXPECT_FALSE(led->aim(t_ms));
+  t_ms += 400;
+  (void)walk(*led, 5, 0.5);
+  EXPECT_TRUE(led->is_over());
+  EXPECT_FALSE(led->aim(t_ms));
+}
+
+TEST_F(LedWalkTest, AGoalThatWasSeenLongAgoIsProbable) {
+  const CalendarTime seen{2023, 11, 26, 9};
+  home->things[0].seen = seen;
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto confidence_on = [&](const CalendarTime& today) {
+    Situation situation = at(first);
+    situation.today = today;
+    return LedWalk::to(ask_for("microwave"), home, situation)->begin(situation).confidence;
+  };
+  EXPECT_EQ(confidence_on(seen), guide::Confidence::kSure);
+  EXPECT_EQ(confidence_on({2026, 11, 26, 9}), guide::Confidence::kProbable);
+}
+
+TEST_F(LedWalkTest, HearsWhatIsWished) {
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+  (void)led->begin(at(first));
+  EXPECT_THAT(led->hear(service::GuideWish::kHowFar, t_ms).text, HasSubstr("to the microwave."));
+  EXPECT_EQ(led->hear(service::GuideWish::kPause, t_ms).text, "Paused.");
+  EXPECT_THAT(walk(*led, 10, 0.1), IsEmpty());
+  EXPECT_EQ(led->hear(service::GuideWish::kResume, t_ms).text, "Going on.");
+  EXPECT_THAT(led->repeat(t_ms).text, StartsWith("Straight on"));
+  EXPECT_EQ(led->hear(service::GuideWish::kEnd, t_ms).text, "Guidance has ended.");
+  EXPECT_TRUE(led->is_over());
+}
+
+TEST_F(LedWalkTest, WhoIsNotSeenIsAnsweredAndLedOnceTheyAre) {
+  const Situation blind{*home, nullptr, settings, t_ms};
+  const auto led = LedWalk::to(ask_for("microwave"), home, blind);
+  ASSERT_NE(led, nullptr);
+  EXPECT_EQ(led->begin(blind).text, "I do not know where you stand. Turn slowly.");
+  EXPECT_THAT(
+      walk(*led, 12, 0),
+      ::testing::ElementsAre("Stop. I know again where you are.", StartsWith("To the microwave"),
+                             "The microwave is ahead of you.", StartsWith("Straight on")));
+}
+
+TEST_F(LedWalkTest, LeadsToAPlaceThatSomebodyMarked) {
+  ViewedSpot& spot = home->spots.emplace_back();
+  spot.stored.name = spot.thing.name = "my microwave";  // before the home's own
+  spot.thing.position_gravity = Eigen::Vector3d(2, 0, 1.3);
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(ask_for("my microwave"), home, at(first));
+  ASSERT_TRUE(led);
+  EXPECT_THAT(led->begin(at(first)).text, StartsWith("To my microwave: about 2 metres"));
+  for (int i = 0; i < 20 && !led->is_over(); ++i) (void)walk(*led, 1, x_m < 1.9 ? 0.5 : 0);
+  EXPECT_TRUE(led->is_over());
+  EXPECT_NEAR(x_m, 2, 0.4);
+}
+
+TEST_F(LedWalkTest, LeadsToTheWayOutByItsGoalAndByAnyNameOfIt) {
+  service::Ask out = ask_for("");
+  out.is_way_out = true;
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  EXPECT_EQ(LedWalk::to(out, home, at(first)), nullptr) << "nobody added one";
+  for (const char* name : {"way out", "front door"}) {
+    home->things[0].name = name;
+    EXPECT_THAT(LedWalk::to(out, home, at(first))->begin(at(first)).text,
+                StartsWith("To the way out: about 4"))
+        << name;
+    EXPECT_NE(LedWalk::to(ask_for("exit"), home, at(first)), nullptr) << name;
+  }
+  settings.language = "de";
+  EXPECT_EQ(LedWalk::to(out, home, at(first)), nullptr) << "no German word";
+  home->things[0].name = "Haustür";
+  EXPECT_THAT(LedWalk::to(out, home, at(first))->begin(at(first)).text, HasSubstr("Ausgang"));
+}
+
+TEST_F(LedWalkTest, AWayOutThatSomebodyMarkedComesFirst) {
+  home->things[0].name = "way out";
+  ViewedSpot& spot = home->spots.emplace_back();
+  spot.stored.name = spot.thing.name = "exit";
+  spot.thing.position_gravity = Eigen::Vector3d(2, 0, 1.3);
+  service::Ask out = ask_for("");
+  out.is_way_out = true;
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(out, home, at(first));
+  ASSERT_NE(led, nullptr);
+  EXPECT_THAT(led->begin(at(first)).text, HasSubstr("about 2 metres"));
+}
+
+TEST(WayBack, IsWhereSomebodyAskedToBeRememberedElseWhereTheySetOut) {
+  HomeView home;
+  constexpr std::int64_t kNow_s = 1'000'000, kHour_s = 3600;
+  EXPECT_EQ(way_back(home, kNow_s), std::nullopt);
+  home.spots.emplace_back().thing.name = guide::kRememberedPlace;
+  home.spots.back().stored.marked_s = kNow_s - 24 * kHour_s;
+  EXPECT_EQ(way_back(home, kNow_s), guide::kRememberedPlace);
+  home.spots.emplace_back().thing.name = guide::kStartingPlace;
+  EXPECT_EQ(way_back(home, kNow_s), guide::kStartingPlace) << "yesterday's is seldom meant";
+  home.spots.front().stored.marked_s = kNow_s - kHour_s;
+  EXPECT_EQ(way_back(home, kNow_s), guide::kRememberedPlace);
+}
+
+TEST_F(LedWalkTest, WhatTheHomeDoesNotKnowIsNoGoal) {
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  EXPECT_EQ(LedWalk::to(ask_for("piano"), home, at(first)), nullptr);
+  EXPECT_EQ(LedWalk::to(ask_for("door"), home, at(first)), nullptr) << "no layout, no doors";
+}
+
+TEST_F(LedWalkTest, BeginsAnewOnANewMap) {
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+  (void)led->begin(at(first));
+  (void)walk(*led, 6, 0);
+  home = home_with_microwave();
+  EXPECT_THAT(walk(*led, 1, 0), ::testing::ElementsAre(StartsWith("To the microwave")));
+}
+
+}  // namespace
+}  // namespace roomwise::live

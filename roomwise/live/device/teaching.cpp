@@ -1,0 +1,26 @@
+#include "roomwise/live/device/teaching.h"
+
+namespace roomwise::live {
+
+Teaching::Reply Teaching::take(const FrameImages& images, double depth_units_per_metre,
+                               double t_ms) {
+  // So long a fault is being spoken and mended.
+  constexpr double kBetweenFaults_ms = 3000;
+  if (has_enough()) return {};
+  std::optional<objects::ShownDepth> depth;
+  if (images.depth) depth.emplace(objects::ShownDepth{*images.depth, depth_units_per_metre});
+  auto found = objects::find_shown(images.color, depth);
+  if (!found) {
+    const bool was_said = last_fault_t_ms_ && t_ms - *last_fault_t_ms_ < kBetweenFaults_ms;
+    if (was_said) return {};
+    last_fault_t_ms_ = t_ms;
+    return {std::nullopt, found.error()};
+  }
+  shown_.push_back(*std::move(found));
+  has_enough_ = shown_.size() >= kEnough;
+  if (has_enough()) return {guide::TeachingStep::kEnough, std::nullopt};
+  if (shown_.size() == kEnough / 2) return {guide::TeachingStep::kGoOn, std::nullopt};
+  return {};
+}
+
+}  // namespace roomwise::live

@@ -1,0 +1,164 @@
+#include "roomwise/live/home/jobs.h"
+
+#include <chrono>
+#include <system_error>
+
+#include "roomwise/base/stopwatch.h"
+
+namespace roomwise::live {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr auto kBetweenNews = std::chrono::milliseconds(200);
+
+// A fault in the work must not end the program.
+Expected<JobEnd> carry_out(const Jobs::Body& body, Progress& progress) {
+  try {
+    return body(progress);
+  } catch (const std::exception& fault) {
+    return fail("internal error, please report it: {}", fault.what());
+  }
+}
+
+// What pages say of an error of which nothing else is known.
+std::string message_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kInterrupted:
+      return "stopped";
+    case ErrorCode::kDiskFull:
+      return "disk_full";
+    case ErrorCode::kDamaged:
+      return "damaged";
+    case ErrorCode::kFailed:
+    case ErrorCode::kRefused:
+      break;
+  }
+  return "failed";
+}
+
+}  // namespace
+
+// Turns what the work says into states. Called on the threads of the work.
+class Jobs::Teller final : public Progress {
+ public:
+  Teller(Jobs& jobs, service::JobState state) : jobs_(jobs), state_(std::move(state)) {}
+
+  void begin(std::string_view work, std::optional<std::uint64_t> total) override {
+    const std::scoped_lock lock(mutex_);
+    state_.stage = work;
+    state_.fraction = 0;
+    state_.left_s.reset();
+    total_ = total;
+    began_ = Clock::now();
+    tell_now();
+  }
+  void advance(std::uint64_t done, std::string_view note) override {
+    const std::scoped_lock lock(mutex_);
+    state_.text = note;
+    if (total_ && *total_ > 0) {
+      state_.fraction = std::min(1.0, static_cast<double>(done) / static_cast<double>(*total_));
+      if (state_.fraction > 0) {
+        state_.left_s = seconds_since(began_) * (1 - state_.fraction) / state_.fraction;
+      }
+    }
+    if (Clock::now() - told_ >= kBetweenNews) tell_now();
+  }
+  void end() override {}
+  [[nodiscard]] bool interrupted() const override { return jobs_.stop_; }
+
+ private:
+  void tell_now() {
+    told_ = Clock::now();
+    jobs_.publish(state_);
+  }
+
+  Jobs& jobs_;
+  std::mutex mutex_;
+  service::JobState state_;
+  std::optional<std::uint64_t> total_;
+  Clock::time_point began_ = Clock::now();
+  Clock::time_point told_;
+};
+
+Jobs::~Jobs() {
+  stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void Jobs::publish(const service::JobState& state) {
+  {
+    const std::scoped_lock lock(mutex_);
+    state_ = state;
+  }
+  tell_(state);
+}
+
+Expected<void> Jobs::start(const std::string& kind, Body body) {
+  const std::scoped_lock starting(thread_mutex_);  // a job may end before its thread is kept
+  {
+    const std::scoped_lock lock(mutex_);
+    if (running_) {
+      return fail("the computer is busy ({}); wait until it is done, or stop it", state_->kind);
+    }
+  }
+  if (thread_.joinable()) thread_.join();
+  const std::scoped_lock lock(mutex_);  // its thread says that it runs once it is known to
+  try {
+    thread_ = start_thread_([this, kind, body = std::move(body)] { run(kind, body); });
+  } catch (const std::system_error& fault) {
+    return fail("{} cannot begin: the system gives no thread for it ({}); close other programs",
+                kind, fault.what());
+  }
+  running_ = true;
+  stop_ = false;
+  state_ = service::JobState{kind, "running", "", 0, {}, ""};
+  return {};
+}
+
+void Jobs::run(const std::string& kind, const Body& body) {
+  service::JobState state{kind, "running", "", 0, {}, ""};
+  const Clock::time_point began = Clock::now();
+  report_({.kind = kind, .state = state.state});
+  publish(state);
+  Teller teller(*this, state);
+  const Expected<JobEnd> end = carry_out(body, teller);
+  const ErrorCode code = end ? ErrorCode::kFailed : end.error().code;
+  const bool is_done = end && !end->has_failed;
+  state.fraction = is_done ? 1 : 0;
+  state.state = is_done ? "done" : code == ErrorCode::kInterrupted ? "stopped" : "failed";
+  state.text = end ? end->text : end.error().message;
+  state.message = end ? end->message : message_of(code);
+  if (end) state.values = end->values;
+  report_({kind, state.state, state.text, code, seconds_since(began)});
+  {
+    const std::scoped_lock lock(mutex_);
+    state_ = state;
+    running_ = false;
+  }
+  tell_(state);
+  ended_.notify_all();
+}
+
+bool Jobs::stop(std::optional<std::string_view> kind) {
+  const std::scoped_lock lock(mutex_);
+  if (!running_ || (kind && state_->kind != *kind)) return false;
+  stop_ = true;
+  return true;
+}
+
+void Jobs::wait() {
+  std::unique_lock lock(mutex_);
+  ended_.wait(lock, [this] { return !running_; });
+}
+
+bool Jobs::running() const {
+  const std::scoped_lock lock(mutex_);
+  return running_;
+}
+
+std::optional<service::JobState> Jobs::state() const {
+  const std::scoped_lock lock(mutex_);
+  return state_;
+}
+
+}  // namespace roomwise::live

@@ -1,0 +1,157 @@
+#include "roomwise/live/home/jobs.h"
+
+#include <gmock/gmock.h>
+
+#include <future>
+#include <system_error>
+#include <vector>
+
+#include "roomwise/base/testing/testing.h"
+
+namespace roomwise::live {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Told {
+  std::mutex mutex;
+  std::vector<service::JobState> states;
+
+  void operator()(const service::JobState& state) {
+    const std::scoped_lock lock(mutex);
+    states.push_back(state);
+  }
+};
+
+TEST(Jobs, TellWhatIsDoneAndWhatCameOfIt) {
+  Told told;
+  Jobs jobs(std::ref(told));
+  EXPECT_FALSE(jobs.state());
+  ASSERT_OK(jobs.start("map", [](Progress& progress) -> Expected<JobEnd> {
+    progress.begin("mapping", 4);
+    progress.advance(1, "one");
+    progress.begin("fusing", 2);
+    return JobEnd{"all well", "mapped", {{"placed", 7}}};
+  }));
+  jobs.wait();
+  const auto last = jobs.state();
+  ASSERT_TRUE(last);
+  EXPECT_EQ(last->kind, "map");
+  EXPECT_EQ(last->state, "done");
+  EXPECT_EQ(last->text, "all well");
+  EXPECT_EQ(last->message, "mapped");
+  EXPECT_EQ(last->values.at("placed"), 7);
+  EXPECT_EQ(last->fraction, 1);
+  std::vector<std::string> stages;
+  const std::scoped_lock lock(told.mutex);  // it may be told still that the job is done
+  for (const service::JobState& state : told.states) {
+    if (stages.empty() || stages.back() != state.stage) stages.push_back(state.stage);
+  }
+  EXPECT_THAT(stages, ::testing::IsSupersetOf({"mapping", "fusing"}));
+}
+
+TEST(Jobs, OneAtATime) {
+  Jobs jobs([](const service::JobState&) {});
+  std::promise<void> go;
+  ASSERT_OK(jobs.start("learn", [&](Progress&) -> Expected<JobEnd> {
+    go.get_future().wait();
+    return JobEnd{};
+  }));
+  EXPECT_TRUE(jobs.running());
+  EXPECT_ERROR(jobs.start("map", [](Progress&) -> Expected<JobEnd> { return JobEnd{}; }), "learn");
+  EXPECT_FALSE(jobs.stop("map")) << "another is running";
+  go.set_value();
+  jobs.wait();
+  EXPECT_OK(jobs.start("map", [](Progress&) -> Expected<JobEnd> { return JobEnd{}; }));
+}
+
+TEST(Jobs, WhereNoThreadCanBeHadNoneIsRunningAndTheNextMayBegin) {
+  bool has_threads = false;
+  Jobs jobs(
+      [](const service::JobState&) {}, [](const JobNews&) {},
+      [&](std::function<void()> work) {
+        if (has_threads) return std::thread(std::move(work));
+        throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+      });
+  const auto nothing = [](Progress&) -> Expected<JobEnd> { return JobEnd{}; };
+  EXPECT_ERROR(jobs.start("map", nothing), "map cannot begin: the system gives no thread");
+  EXPECT_FALSE(jobs.running());
+  EXPECT_FALSE(jobs.stop());
+  EXPECT_FALSE(jobs.state());
+  jobs.wait();
+  has_threads = true;
+  ASSERT_OK(jobs.start("learn", nothing));
+  jobs.wait();
+  EXPECT_EQ(jobs.state()->kind, "learn");
+  has_threads = false;
+  EXPECT_ERROR(jobs.start("map", nothing), "map cannot begin");
+  EXPECT_EQ(jobs.state()->kind, "learn") << "what was done before is still told";
+}
+
+TEST(Jobs, AreStoppedWhenAskedAndWhenTheyGo) {
+  Told told;
+  {
+    Jobs jobs(std::ref(told));
+    const auto until_stopped = [](Progress& progress) -> Expected<JobEnd> {
+      while (!progress.interrupted()) std::this_thread::yield();
+      return Unexpected(progress.check("mapping").error());
+    };
+    ASSERT_OK(jobs.start("map", until_stopped));
+    EXPECT_TRUE(jobs.stop());
+    jobs.wait();
+    EXPECT_EQ(jobs.state()->state, "stopped");
+    EXPECT_EQ(jobs.state()->message, "stopped");
+    EXPECT_FALSE(jobs.stop());
+    ASSERT_OK(jobs.start("map", until_stopped));
+  }
+  EXPECT_EQ(told.states.back().state, "stopped");
+}
+
+TEST(Jobs, AFailureOfWorkThatWasToStopIsAFailure) {
+  Jobs jobs([](const service::JobState&) {});
+  ASSERT_OK(jobs.start("map", [](Progress& progress) -> Expected<JobEnd> {
+    while (!progress.interrupted()) std::this_thread::yield();
+    return fail("no disk");
+  }));
+  EXPECT_TRUE(jobs.stop());
+  jobs.wait();
+  EXPECT_EQ(jobs.state()->state, "failed");
+  EXPECT_EQ(jobs.state()->text, "no disk");
+}
+
+TEST(Jobs, AFaultInTheWorkIsAFailure) {
+  Jobs jobs([](const service::JobState&) {});
+  ASSERT_OK(jobs.start(
+      "map", [](Progress&) -> Expected<JobEnd> { throw std::runtime_error("out of range"); }));
+  jobs.wait();
+  EXPECT_EQ(jobs.state()->state, "failed");
+  EXPECT_THAT(jobs.state()->text, HasSubstr("out of range"));
+}
+
+TEST(Jobs, AFailureIsToldWithItsReason) {
+  Jobs jobs([](const service::JobState&) {});
+  ASSERT_OK(jobs.start("map", [](Progress&) -> Expected<JobEnd> { return fail("no disk"); }));
+  jobs.wait();
+  EXPECT_EQ(jobs.state()->state, "failed");
+  EXPECT_EQ(jobs.state()->text, "no disk");
+  EXPECT_EQ(jobs.state()->message, "failed");
+}
+
+TEST(Jobs, AFailureThatPeopleCanMendIsToldByName) {
+  Jobs jobs([](const service::JobState&) {});
+  ASSERT_OK(jobs.start("learn", [](Progress&) -> Expected<JobEnd> {
+    return job_failure("no_room_named", "no room is named");
+  }));
+  jobs.wait();
+  EXPECT_EQ(jobs.state()->state, "failed");
+  EXPECT_EQ(jobs.state()->message, "no_room_named");
+  EXPECT_EQ(jobs.state()->text, "no room is named");
+  ASSERT_OK(jobs.start("map", [](Progress&) -> Expected<JobEnd> {
+    return fail_with(ErrorCode::kDiskFull, "no disk");
+  }));
+  jobs.wait();
+  EXPECT_EQ(jobs.state()->message, "disk_full");
+}
+
+}  // namespace
+}  // namespace roomwise::live

@@ -1,0 +1,350 @@
+#include <algorithm>
+
+#include "roomwise/live/home/live_home.h"
+#include "roomwise/live/recording/walk_frames.h"
+#include "roomwise/pipeline/mapping/home_floor.h"
+#include "roomwise/pipeline/mapping/map_recording.h"
+#include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/recording/damage_tolerant_source.h"
+#include "roomwise/recording/open_recording.h"
+
+// The long work of a home that is open: recording, mapping, learning.
+namespace roomwise::live {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// How many pictures of each room there are to learn from.
+std::map<std::string, std::size_t> pictures_to_learn(
+    const HomeView& view, const std::vector<pipeline::RoomPhoto>& photos) {
+  const auto taken = view.walks_taken_away();
+  std::map<std::string, std::size_t> pictures;
+  for (const ViewedKeyframe& one : view.keyframes) {
+    if (!one.room.empty() && !taken.contains(one.keyframe.recording)) ++pictures[one.room];
+  }
+  for (const pipeline::RoomPhoto& photo : photos) ++pictures[photo.room];
+  return pictures;
+}
+
+// Why rooms cannot be learned of what there is, where people can mend that.
+std::optional<JobEnd> why_not_learned(const std::map<std::string, std::size_t>& pictures,
+                                      bool has_network) {
+  if (!has_network) {
+    return job_failure("no_network",
+                       "no network is here to learn rooms with; get one: roomwise networks list");
+  }
+  if (pictures.size() == 1) {
+    return job_failure("one_room",
+                       fmt::format("there are pictures of {} alone; telling rooms apart "
+                                   "takes at least two rooms",
+                                   pictures.begin()->first));
+  }
+  const std::size_t wanted = rooms::LearningOptions{}.min_pictures;
+  const auto fewest =
+      std::ranges::min_element(pictures, {}, [](const auto& room) { return room.second; });
+  if (fewest == pictures.end() || fewest->second >= wanted) return std::nullopt;
+  JobEnd end = job_failure(
+      "few_pictures", fmt::format("there are {} pictures of {}; learning takes at least {} of each "
+                                  "room: walk through it once more, or take photos of it",
+                                  fewest->second, fewest->first, wanted));
+  end.values = {{"pictures", static_cast<std::int64_t>(fewest->second)},
+                {"wanted", static_cast<std::int64_t>(wanted)}};
+  return end;
+}
+
+}  // namespace
+
+Expected<void> LiveHome::start_work(const std::string& kind, Jobs::Body body,
+                                    WorkPlaces::Urgency urgency) {
+  return jobs_->start(
+      kind, [this, body = std::move(body), urgency](Progress& progress) -> Expected<JobEnd> {
+        ROOMWISE_TRY(const auto place, options_.work_places->take(urgency, progress));
+        return body(progress);
+      });
+}
+
+Expected<void> LiveHome::start_preparing() {
+  return jobs_->start("prepare", [this](Progress& progress) -> Expected<JobEnd> {
+    // Questions come first: what helpers look at is fused while they are answered.
+    const auto ready = [&]() -> Expected<std::shared_ptr<const LiveMap>> {
+      ROOMWISE_TRY(const auto place,
+                   options_.work_places->take(WorkPlaces::Urgency::kAnswersWait, progress));
+      return make_map_ready(progress);
+    }();
+    if (!ready) return Unexpected(ready.error());
+    ROOMWISE_TRY(const auto place,
+                 options_.work_places->take(WorkPlaces::Urgency::kCanWait, progress));
+    return fuse_clouds(**ready, progress);
+  });
+}
+
+bool LiveHome::stop_preparing() {
+  if (!jobs_->stop("prepare")) return false;
+  jobs_->wait();
+  return true;
+}
+
+Expected<void> LiveHome::go_on_preparing() {
+  const auto now = view();
+  if ((now->map && now->map->clouds) || now->walks.empty() || jobs_->running()) return {};
+  return start_preparing();
+}
+
+Expected<JobEnd> LiveHome::prepare(Progress& progress) {
+  ROOMWISE_TRY(const auto map, make_map_ready(progress));
+  return fuse_clouds(*map, progress);
+}
+
+Expected<std::shared_ptr<const LiveMap>> LiveHome::make_map_ready(Progress& progress) {
+  if (!lost_pictures_) begin_lost_pictures();
+  if (auto ready = view()->map) return ready;
+  pipeline::OwnRunContext run(options_.threads, progress);
+  run.lost = lost_pictures_;
+  // By a reader of its own, so that pictures can be looked at meanwhile.
+  ROOMWISE_TRY(const home::Home reader, home::Home::open_read_only(file_, options_.open));
+  ROOMWISE_TRY(std::shared_ptr<const LiveMap> map, make_live_map(reader, run));
+  const std::scoped_lock lock(home_mutex_);
+  ROOMWISE_CHECK_OK(pipeline::keep_home_floor(home_, {map->frame, map->floor}));
+  // One that lacks pictures is not kept: perhaps they can be read the next time.
+  if (map->localizer->new_index() && lost_pictures_->all().empty())
+    ROOMWISE_CHECK_OK(home_.put_derived_data(*map->localizer->new_index()));
+  ROOMWISE_CHECK_OK(refresh(map));
+  return map;
+}
+
+Expected<JobEnd> LiveHome::fuse_clouds(const LiveMap& ready, Progress& progress) {
+  pipeline::OwnRunContext run(options_.threads, progress);
+  run.lost = lost_pictures_;
+  ROOMWISE_TRY(const home::Home reader, home::Home::open_read_only(file_, options_.open));
+  ROOMWISE_TRY(auto map, with_clouds(ready, reader, run));
+  const std::scoped_lock lock(home_mutex_);
+  ROOMWISE_CHECK_OK(refresh(std::move(map)));
+  // A new walk may show what was taught.
+  const bool is_looked_for = view()->own_things.empty() || view()->own_thing_watch != nullptr;
+  if (!is_looked_for) {
+    ROOMWISE_CHECK_OK(look_for_own_things(progress, lost_pictures_).map([](bool) {}));
+  }
+  return JobEnd{"places can be found on the map now", "prepared"};
+}
+
+Expected<void> LiveHome::learn() {
+  if (!jobs_->running() && view()->walks.empty()) {
+    ROOMWISE_TRY(const auto photos, photos_->all());
+    if (photos.empty()) {
+      return fail(
+          "this home holds no walk to learn from; take photos of its rooms, or record one first");
+    }
+  }
+  static_cast<void>(stop_preparing());  // it is gone on with afterwards
+  return start_work("learn", [this](Progress& progress) -> Expected<JobEnd> {
+    ROOMWISE_TRY(JobEnd learned, learn_now(progress));
+    if (learned.has_failed) return learned;
+    const auto now = view();
+    const bool is_ready = now->map && now->map->clouds;
+    if (!is_ready && !now->walks.empty()) ROOMWISE_CHECK_OK(prepare(progress));
+    return learned;
+  });
+}
+
+Expected<JobEnd> LiveHome::learn_now(Progress& progress) {
+  const std::scoped_lock lock(home_mutex_);
+  pipeline::OwnRunContext run(options_.threads, progress);
+  ROOMWISE_TRY(const auto recordings, home_.recordings());
+  ROOMWISE_TRY(const auto photos, photos_->all());
+  const auto learn_from_photos = [&]() -> Expected<rooms::LearningReport> {
+    ROOMWISE_TRY(const network::Classifier* network, pipeline::features_network(networks_));
+    return pipeline::learn_rooms_from_photos(home_, photos, *network,
+                                             {.variants = options_.augment}, run);
+  };
+  pipeline::RoomLearning learning;
+  learning.variants = options_.augment;
+  learning.photos = photos;
+  const bool is_any_named = std::ranges::any_of(
+      view()->walks, [](const ViewedWalk& walk) { return !walk.labels.ranges().empty(); });
+  if (!is_any_named && photos.empty()) {
+    return job_failure("no_room_named", "no room of a walk is named; name its rooms first");
+  }
+  const auto taken = view()->walks_taken_away();
+  if (!taken.empty()) {  // nothing more is learned of what is to be forgotten
+    for (const ViewedWalk& walk : view()->walks) {
+      const bool is_named = !walk.labels.ranges().empty();
+      if (is_named && !taken.contains(walk.stored.id)) learning.walks.push_back(walk.stored.id);
+    }
+    if (learning.walks.empty() && photos.empty()) {
+      return job_failure("no_room_named",
+                         "no room of a walk that stays is named; name its rooms first");
+    }
+  }
+  if (auto why_not = why_not_learned(pictures_to_learn(*view(), photos), !networks_.empty())) {
+    return *std::move(why_not);
+  }
+  const bool has_walk = taken.empty() ? !recordings.empty() : !learning.walks.empty();
+  ROOMWISE_TRY(const auto report,
+               has_walk ? pipeline::learn_rooms_from_keyframes(home_, {}, learning, networks_, run)
+                        : learn_from_photos());
+  ROOMWISE_CHECK_OK(refresh(view()->map));
+  const auto right =
+      std::llround(report.held_out_precision() * static_cast<double>(report.held_out));
+  return JobEnd{
+      fmt::format(
+          "{} rooms learned; as a test, {} of {} pictures that were kept apart were named rightly",
+          report.rooms.size(), right, report.held_out),
+      "learned",
+      {{"rooms", static_cast<std::int64_t>(report.rooms.size())},
+       {"right", right},
+       {"tested", static_cast<std::int64_t>(report.held_out)}}};
+}
+
+Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string& name) {
+  ROOMWISE_CHECK_OK(recording::validate_room_name(name));
+  if (name.find_first_of("/\\") != std::string::npos || name.starts_with('.')) {
+    return fail("'{}' is no name for a recording: it must not hold '/' or begin with '.'", name);
+  }
+  const auto connected = all_devices();
+  const auto found = std::ranges::find_if(connected, [&](const auto& one) {
+    return one->who().device == device && one->is_here() && one->camera();
+  });
+  if (found == connected.end()) return fail("device {} is not connected with a camera", device);
+  static_cast<void>(stop_preparing());  // it is gone on with afterwards
+  ROOMWISE_CHECK_OK(check_idle());
+  std::shared_ptr<WalkRecorder> recorder;
+  {
+    const std::scoped_lock lock(devices_mutex_);
+    if (recorder_) return fail("'{}' is being recorded; stop it first", recorder_->name());
+    ROOMWISE_TRY(recorder,
+                 WalkRecorder::begin(walks_folder() / name, *(*found)->camera(), unix_now_ns()));
+    recorder_ = recorder;
+    recording_device_ = device;
+  }
+  (*found)->record_to(recorder);
+  // Where that cannot be now, it is done at the end.
+  static_cast<void>(start_mapping(recorder));
+  return {};
+}
+
+Expected<void> LiveHome::end_recording() {
+  std::shared_ptr<WalkRecorder> recorder;
+  std::int64_t recorded = 0;  // the device
+  {
+    const std::scoped_lock lock(devices_mutex_);
+    recorder = std::exchange(recorder_, nullptr);
+    recorded = recording_device_;  // from here on another may be recorded
+  }
+  if (!recorder) return fail("nothing is being recorded");
+  for (const auto& device : all_devices()) {
+    if (device->who().device == recorded) device->record_to(nullptr);
+  }
+  const Expected<void> closed = recorder->close();
+  tell_of_recording(
+      recorded, service::RecordingState{recorded, closed ? "saved" : "failed", recorder->name(),
+                                        recorder->frames(), closed ? "" : closed.error().message});
+  ROOMWISE_CHECK_OK(closed);
+  const bool is_being_mapped = jobs_->running() && jobs_->state()->kind == "map";
+  return is_being_mapped ? Expected<void>() : start_mapping(recorder->folder());
+}
+
+Expected<void> LiveHome::start_mapping(const fs::path& folder) {
+  return start_work("map",
+                    [this, folder](Progress& progress) { return map_folder(folder, progress); });
+}
+
+Expected<void> LiveHome::start_mapping_what_waits() {
+  return start_work("map", [this](Progress& progress) -> Expected<JobEnd> {
+    Expected<JobEnd> mapped = JobEnd{"nothing waited to be mapped", "nothing_waited"};
+    while (mapped) {
+      ROOMWISE_TRY(const auto walk, waiting_walk());
+      if (!walk) return mapped;
+      mapped = map_folder(*walk, progress);
+    }
+    // What is mapped already answers all the same.
+    const bool is_stopped = mapped.error().code == ErrorCode::kInterrupted;
+    if (!is_stopped && !view()->walks.empty()) ROOMWISE_CHECK_OK(prepare(progress));
+    return mapped;
+  });
+}
+
+Expected<void> LiveHome::go_on_mapping() {
+  static_cast<void>(stop_preparing());  // it is gone on with afterwards
+  ROOMWISE_CHECK_OK(check_idle());
+  ROOMWISE_TRY(const auto waiting, waiting_walk());
+  if (waiting) return start_mapping_what_waits();
+  ROOMWISE_CHECK_OK(go_on_preparing());
+  return fail("no walk waits to be mapped");
+}
+
+Expected<JobEnd> LiveHome::map_folder(const fs::path& folder, Progress& progress) {
+  ROOMWISE_TRY(const auto walk, recording::open_recording(folder));
+  return map(folder, *walk, progress);
+}
+
+// Takes no place: it waits for frames as long as somebody walks.
+Expected<void> LiveHome::start_mapping(std::shared_ptr<const WalkRecorder> walk) {
+  return jobs_->start("map", [this, walk](Progress& progress) -> Expected<JobEnd> {
+    ROOMWISE_TRY(const auto frames, WalkFrames::open(walk, progress));
+    return map(walk->folder(), *frames, progress);
+  });
+}
+
+void LiveHome::begin_lost_pictures() {
+  lost_pictures_ = std::make_shared<pipeline::LostPictures>(
+      true, [this](const Error& why) { meters_.failed("reading a picture of the map", why); });
+}
+
+Expected<JobEnd> LiveHome::map(const fs::path& folder, recording::FrameSource& walk,
+                               Progress& progress) {
+  ROOMWISE_TRY(const auto unfinished, unfinished_walk());
+  if (unfinished && *unfinished != folder) {
+    const auto finished = map_folder(*unfinished, progress);
+    if (!finished) {
+      return fail_with(finished.error().code,
+                       "'{}' was not mapped to its end, and must be first, or be forgotten: {}",
+                       unfinished->filename().string(), finished.error().message);
+    }
+  }
+  // One picture that is damaged is not to cost the walk.
+  recording::DamageTolerantSource frames(walk, true);
+  begin_lost_pictures();
+  pipeline::MapSummary summary;
+  {
+    const std::scoped_lock lock(home_mutex_);
+    pipeline::OwnRunContext run(options_.threads, progress);
+    run.lost = lost_pictures_;
+    ROOMWISE_TRY(const auto stored, pipeline::stored_map_settings(home_));
+    pipeline::MapSettings settings = stored.value_or(pipeline::MapSettings{});
+    if (!stored) settings.mapper.seed = options_.seed;
+    const home::Recording recording{walk.info().name, folder.string(), walk.info().camera,
+                                    walk.info().frames_remaining};
+    auto mapped =
+        pipeline::map_recording(frames, recording, home_, networks_, settings, run, finders_);
+    if (!mapped || !mapped->finished) ROOMWISE_CHECK_OK(refresh(nullptr));  // it may be forgotten
+    ROOMWISE_TRY(summary, std::move(mapped));
+    for (const std::string& why : summary.unread) meters_.failed("comparing walks", Error{why});
+    if (!summary.finished) {
+      return fail_with(ErrorCode::kInterrupted,
+                       "stopped; it goes on when the computer starts again");
+    }
+    if (fs::exists(folder / "rooms.txt")) {
+      ROOMWISE_TRY(const auto labels, recording::RoomLabels::read(folder / "rooms.txt"));
+      ROOMWISE_TRY(const auto recordings, home_.recordings());
+      ROOMWISE_CHECK_OK(pipeline::name_rooms(home_, recordings.back().id, labels));
+    }
+    ROOMWISE_CHECK_OK(refresh(nullptr));
+  }
+  ROOMWISE_CHECK_OK(prepare(progress));
+  JobEnd end{fmt::format("{} of {} pictures have a place on the map; {} things found",
+                         summary.placed, summary.frames, summary.instances),
+             "mapped",
+             {{"placed", static_cast<std::int64_t>(summary.placed)},
+              {"pictures", static_cast<std::int64_t>(summary.frames)},
+              {"things", static_cast<std::int64_t>(summary.instances)}}};
+  const std::size_t damaged = frames.damage().size() + lost_pictures_->all().size();
+  if (damaged > 0) {
+    end.text += fmt::format("; {} pictures cannot be read", damaged);
+    end.message = "mapped_damaged";
+    end.values["damaged"] = static_cast<std::int64_t>(damaged);
+  }
+  return end;
+}
+
+}  // namespace roomwise::live

@@ -1,0 +1,262 @@
+#include "roomwise/service/protocol/json_members.h"
+#include "roomwise/service/protocol/messages.h"
+
+namespace roomwise::service {
+namespace {
+
+OrderedJson welcome_json(const Welcome& welcome, std::string_view type) {
+  OrderedJson in_rooms = OrderedJson::array();
+  for (const auto& [thing, rooms] : welcome.things_in_rooms) {
+    in_rooms.push_back({{"thing", thing}, {"rooms", rooms}});
+  }
+  return {{"type", type},
+          {"version", kProtocolVersion},
+          {"home", welcome.home},
+          {"role", welcome.role},
+          {"rooms", welcome.rooms},
+          {"things", welcome.things},
+          {"things_in_rooms", std::move(in_rooms)},
+          {"spots", welcome.spots},
+          {"sees_rooms", welcome.sees_rooms},
+          {"sees_places", welcome.sees_places},
+          {"max_frame_bytes", kMaxFrameBytes}};
+}
+
+OrderedJson to_json(const Welcome& welcome) {
+  return welcome_json(welcome, "welcome");
+}
+
+OrderedJson to_json(const FrameArrived& frame) {
+  return {{"type", "frame"}, {"t", frame.t_ms}, {"dropped", frame.dropped}};
+}
+
+OrderedJson to_json(const Seen& seen) {
+  OrderedJson position;
+  if (const auto& at = seen.position) {
+    position = {{"x", at->x_m},
+                {"y", at->y_m},
+                {"z", at->z_m},
+                {"heading_degrees", at->heading_degrees},
+                {"sigma_m", at->sigma_m}};
+  }
+  return {{"type", "seen"},
+          {"t", seen.t_ms},
+          {"verdict", seen.verdict},
+          {"room", seen.room},
+          {"probability", seen.probability},
+          {"why", seen.why},
+          {"position", position}};
+}
+
+OrderedJson to_json(const Aim& aim) {
+  return {{"type", "aim"},
+          {"t", aim.t_ms},
+          {"bearing_degrees", aim.bearing_degrees},
+          {"distance_m", aim.distance_m},
+          {"valid_until_t", aim.valid_until_t_ms}};
+}
+
+OrderedJson to_json(const PromptMessage& prompt) {
+  return {{"type", "prompt"},
+          {"answer_to", or_null(prompt.answer_to)},
+          {"key", prompt.key},
+          {"message", prompt.message},
+          {"text", prompt.text},
+          {"language", prompt.language},
+          {"priority", prompt.priority},
+          {"confidence", prompt.confidence},
+          {"sound", prompt.sound},
+          {"because", prompt.because},
+          {"based_on_t", or_null(prompt.based_on_t_ms)},
+          {"valid_until_t", prompt.valid_until_t_ms}};
+}
+
+OrderedJson to_json(const RecordingState& recording) {
+  return {{"type", "recording"},    {"device", recording.device}, {"state", recording.state},
+          {"name", recording.name}, {"frames", recording.frames}, {"text", recording.text}};
+}
+
+OrderedJson to_json(const JobState& job) {
+  return {{"type", "job"},      {"kind", job.kind},         {"state", job.state},
+          {"stage", job.stage}, {"fraction", job.fraction}, {"left_s", or_null(job.left_s)},
+          {"text", job.text},   {"message", job.message},   {"values", OrderedJson(job.values)}};
+}
+
+OrderedJson to_json(const DeviceSeen& device) {
+  return {{"type", "device"},
+          {"device", device.device},
+          {"name", device.name},
+          {"online", device.online},
+          {"seen", device.seen ? to_json(*device.seen) : OrderedJson(nullptr)}};
+}
+
+OrderedJson to_json(const ErrorMessage& error) {
+  return {{"type", "error"}, {"text", error.text}, {"answer_to", or_null(error.answer_to)}};
+}
+
+Expected<HomeMessage> read_welcome(const OrderedJson& json) {
+  Members members(json);
+  const std::int64_t version = members.whole("version", 1, 1'000'000);
+  if (!members.error() && version != kProtocolVersion) {
+    return fail("the computer speaks version {} of the protocol, this device version {}", version,
+                kProtocolVersion);
+  }
+  Welcome welcome;
+  welcome.home = members.text("home");
+  welcome.role = members.text("role");
+  welcome.rooms = members.texts("rooms");
+  welcome.things = members.texts("things");
+  if (members.has("spots")) welcome.spots = members.texts("spots");
+  if (members.has("things_in_rooms")) {
+    for (const OrderedJson& one : json.at("things_in_rooms")) {
+      Members in_rooms(one);
+      welcome.things_in_rooms.push_back({in_rooms.text("thing"), in_rooms.texts("rooms")});
+      if (in_rooms.error()) return fail("'things_in_rooms': {}", in_rooms.error()->message);
+    }
+  }
+  welcome.sees_rooms = members.yes_or_no("sees_rooms");
+  welcome.sees_places = members.yes_or_no("sees_places");
+  return members.finish<HomeMessage>(std::move(welcome));
+}
+
+Expected<HomeMessage> read_arrived(const OrderedJson& json) {
+  Members members(json);
+  FrameArrived frame;
+  frame.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
+  frame.dropped = static_cast<std::uint64_t>(members.whole("dropped", 0, kMaxWhole));
+  return members.finish<HomeMessage>(frame);
+}
+
+Expected<Seen> read_seen(const OrderedJson& json) {
+  Members members(json);
+  Seen seen;
+  seen.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
+  seen.verdict = members.text("verdict");
+  seen.room = members.text("room");
+  seen.probability = members.number("probability", 0, 1);
+  seen.why = members.text("why", kMaxSentenceBytes);
+  if (members.has("position")) {
+    if (const OrderedJson* const position = members.object("position")) {
+      Members at(*position);
+      seen.position = SeenPosition{
+          at.number("x", -1e4, 1e4), at.number("y", -1e4, 1e4), at.number("z", -1e4, 1e4),
+          at.number("heading_degrees", -360, 360), at.number("sigma_m", 0, 1e4)};
+      if (at.error()) return Unexpected(Error(*at.error()));
+    }
+  }
+  return members.finish(std::move(seen));
+}
+
+Expected<HomeMessage> read_aim(const OrderedJson& json) {
+  Members members(json);
+  Aim aim;
+  aim.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
+  aim.bearing_degrees = members.number("bearing_degrees", -180, 180);
+  aim.distance_m = members.number("distance_m", 0, 1e4);
+  aim.valid_until_t_ms = members.number("valid_until_t", -kMaxTime_ms, kMaxTime_ms);
+  return members.finish<HomeMessage>(aim);
+}
+
+Expected<HomeMessage> read_prompt(const OrderedJson& json) {
+  Members members(json);
+  PromptMessage prompt;
+  if (members.has("answer_to")) prompt.answer_to = members.whole("answer_to", 0, kMaxWhole);
+  prompt.key = members.text("key");
+  prompt.message = members.text("message");
+  prompt.text = members.text("text", kMaxSentenceBytes);
+  prompt.language = members.text("language");
+  prompt.priority = members.text("priority");
+  prompt.confidence = members.text("confidence");
+  prompt.sound = members.text("sound");
+  prompt.because = members.text("because", kMaxSentenceBytes);
+  if (members.has("based_on_t")) {
+    prompt.based_on_t_ms = members.number("based_on_t", -kMaxTime_ms, kMaxTime_ms);
+  }
+  prompt.valid_until_t_ms = members.number("valid_until_t", -kMaxTime_ms, kMaxTime_ms);
+  return members.finish<HomeMessage>(std::move(prompt));
+}
+
+Expected<HomeMessage> read_recording(const OrderedJson& json) {
+  Members members(json);
+  RecordingState recording;
+  recording.device = members.whole("device", 0, kMaxWhole);
+  recording.state = members.text("state");
+  recording.name = members.text("name");
+  recording.frames = static_cast<std::uint64_t>(members.whole("frames", 0, kMaxWhole));
+  recording.text = members.text("text", kMaxSentenceBytes);
+  return members.finish<HomeMessage>(std::move(recording));
+}
+
+Expected<HomeMessage> read_job(const OrderedJson& json) {
+  Members members(json);
+  JobState job;
+  job.kind = members.text("kind");
+  job.state = members.text("state");
+  job.stage = members.text("stage");
+  job.fraction = members.number("fraction", 0, 1);
+  if (members.has("left_s")) job.left_s = members.number("left_s", 0, 1e9);
+  job.text = members.text("text", kMaxSentenceBytes);
+  job.message = members.text("message");
+  if (const OrderedJson* const values = members.object("values")) {
+    Members numbers(*values);
+    for (const auto& [name, value] : values->items()) {
+      job.values[name] = numbers.whole(name.c_str(), 0, kMaxWhole);
+    }
+    if (numbers.error()) return Unexpected(Error(*numbers.error()));
+  }
+  return members.finish<HomeMessage>(std::move(job));
+}
+
+Expected<HomeMessage> read_device_seen(const OrderedJson& json) {
+  Members members(json);
+  DeviceSeen device;
+  device.device = members.whole("device", 0, kMaxWhole);
+  device.name = members.text("name");
+  device.online = members.yes_or_no("online");
+  if (members.has("seen")) {
+    if (const OrderedJson* const seen = members.object("seen")) {
+      ROOMWISE_TRY(device.seen, read_seen(*seen));
+    }
+  }
+  return members.finish<HomeMessage>(std::move(device));
+}
+
+Expected<HomeMessage> read_error(const OrderedJson& json) {
+  Members members(json);
+  ErrorMessage error;
+  error.text = members.text("text", kMaxSentenceBytes);
+  if (members.has("answer_to")) error.answer_to = members.whole("answer_to", 0, kMaxWhole);
+  return members.finish<HomeMessage>(std::move(error));
+}
+
+}  // namespace
+
+std::string write(const HomeMessage& message) {
+  return dump(std::visit([](const auto& one) { return to_json(one); }, message));
+}
+
+std::string write_home_changed(const Welcome& welcome) {
+  return dump(welcome_json(welcome, "home"));
+}
+
+Expected<HomeMessage> read_home_message(std::string_view text) {
+  ROOMWISE_TRY(const OrderedJson json, parse_object(text, kMaxHomeTextBytes));
+  Members members(json);
+  const std::string type = members.text("type");
+  if (members.error()) return Unexpected(Error(*members.error()));
+  if (type == "welcome" || type == "home") return read_welcome(json);
+  if (type == "frame") return read_arrived(json);
+  if (type == "seen") {
+    ROOMWISE_TRY(Seen seen, read_seen(json));
+    return HomeMessage(std::move(seen));
+  }
+  if (type == "aim") return read_aim(json);
+  if (type == "prompt") return read_prompt(json);
+  if (type == "recording") return read_recording(json);
+  if (type == "job") return read_job(json);
+  if (type == "device") return read_device_seen(json);
+  if (type == "error") return read_error(json);
+  return fail("'{}' is no type of a message that this device knows", type);
+}
+
+}  // namespace roomwise::service

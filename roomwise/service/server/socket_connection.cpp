@@ -1,0 +1,338 @@
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/strand.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/fields.hpp>
+#include <boost/beast/websocket.hpp>
+#include <boost/beast/websocket/ssl.hpp>
+#include <deque>
+#include <exception>
+#include <mutex>
+
+#include "roomwise/service/server/server_core.h"
+
+namespace roomwise::service {
+namespace {
+
+namespace websocket = beast::websocket;
+using boost::system::error_code;
+
+class SocketConnection;
+
+// What waits for a client. Others hold it as long as they like; it holds nothing.
+class Outbox final : public SocketOut, public std::enable_shared_from_this<Outbox> {
+ public:
+  Outbox(const ServerLimits& limits, std::weak_ptr<SocketConnection> connection)
+      : max_bytes_(limits.waiting_bytes),
+        max_messages_(limits.waiting_messages),
+        connection_(std::move(connection)) {}
+
+  void send_text(std::string text) override;
+  void close(std::string reason) override;
+
+  // For the connection, on its thread. The next message, whose bytes still count until it is sent.
+  [[nodiscard]] std::optional<std::string> next();
+  void sent(std::size_t bytes);
+  void shut() {
+    const std::scoped_lock lock(mutex_);
+    open_ = false;
+    waiting_.clear();
+  }
+
+ private:
+  const std::size_t max_bytes_;
+  const std::size_t max_messages_;
+  const std::weak_ptr<SocketConnection> connection_;
+  std::mutex mutex_;
+  std::deque<std::string> waiting_;
+  std::size_t bytes_ = 0;
+  bool open_ = true;
+};
+
+class SocketConnection final : public Connection,
+                               public std::enable_shared_from_this<SocketConnection> {
+ public:
+  SocketConnection(std::shared_ptr<TableEntry> entry, TlsStream stream, SocketOwner owner,
+                   std::string peer)
+      : entry_(std::move(entry)),
+        core_(entry_->core()),
+        owner_(std::move(owner)),
+        who_(owner_.who),
+        known_as_(owner_.home->name().empty()
+                      ? fmt::format("device {}", who_.device)
+                      : fmt::format("{}: device {}", owner_.home->name(), who_.device)),
+        peer_(std::move(peer)),
+        stream_(std::move(stream)),
+        buffer_(core_.options.limits.message_bytes),
+        messages_(core_.options.limits.burst_messages, core_.options.limits.rate_messages),
+        bytes_(core_.options.limits.burst_bytes, core_.options.limits.rate_bytes),
+        hello_timer_(core_.io),
+        strand_(asio::make_strand(core_.session_threads.get_executor())) {}
+
+  void start(BeastRequest request) {
+    out_ = std::make_shared<Outbox>(core_.options.limits, weak_from_this());
+    const ServerLimits& limits = core_.options.limits;
+    beast::get_lowest_layer(stream_).expires_never();  // the WebSocket has a clock of its own
+    stream_.set_option(websocket::stream_base::timeout{
+        milliseconds_of(limits.handshake_s), milliseconds_of(limits.socket_idle_s), true});
+    stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& answer) {
+      answer.set(beast::http::field::sec_websocket_protocol, "roomwise.1");
+    }));
+    stream_.read_message_max(0);  // the buffer's own limit says so when it is reached
+    auto kept = std::make_shared<BeastRequest>(std::move(request));
+    stream_.async_accept(*kept, [self = shared_from_this(), kept](error_code error) {
+      if (error) return;
+      self->on_open();
+    });
+  }
+
+  // ---- on the network thread ----
+
+  void end(const std::string& reason) override {
+    ending_ = core_.stopping ? websocket::close_code::going_away : websocket::close_code::normal;
+    if (end_reason_.empty()) end_reason_ = reason;
+    flush();
+  }
+
+  void cut() override { beast::get_lowest_layer(stream_).close(); }
+
+  // The client does not read.
+  void overflow() {
+    if (closed_) return;
+    core_.events.refused("a client that does not read", peer_, core_.now().steady_s);
+    cut();
+  }
+
+  // Sends what waits, one message after the other, and closes once that is done and wanted.
+  void flush() {
+    if (!open_ || writing_ || closing_) return;
+    std::optional<std::string> message = out_->next();
+    if (!message) {
+      if (ending_) close();
+      return;
+    }
+    writing_ = true;
+    auto text = std::make_shared<std::string>(*std::move(message));
+    stream_.text(true);
+    stream_.async_write(asio::buffer(*text),
+                        [self = shared_from_this(), text](error_code error, std::size_t) {
+                          self->writing_ = false;
+                          if (error) return self->cut();
+                          self->core_.events.message_out();
+                          self->out_->sent(text->size());
+                          self->flush();
+                        });
+  }
+
+  [[nodiscard]] ServerCore& core() const { return core_; }
+
+ private:
+  void on_open() {
+    open_ = true;
+    core_.events.opened_socket();
+    core_.events.say(fmt::format("{}: {} ({}) connected", peer_, known_as_, who_.name));
+    for (const auto& older : core_.table.open_socket(entry_->number())) {
+      older->end("this device has connected again");
+    }
+    await_hello();
+    on_session([self = shared_from_this()] {
+      self->session_ = self->owner_.sockets->connect(self->who_, self->out_);
+      if (!self->session_) self->out_->close("unavailable");
+    });
+    flush();
+  }
+
+  void await_hello() {
+    hello_timer_.expires_after(milliseconds_of(core_.options.limits.hello_s));
+    hello_timer_.async_wait([weak = weak_from_this()](error_code error) {
+      const auto self = weak.lock();
+      if (error || !self || self->greeted_) return;
+      self->core_.events.refused("a client that says no hello", self->peer_,
+                                 self->core_.now().steady_s);
+      self->end("no hello came");
+    });
+  }
+
+  // Calls something of the session where sessions are called, then reads on.
+  template <typename Call>
+  void on_session(Call call) {
+    asio::post(strand_, [self = shared_from_this(), call = std::move(call)]() mutable {
+      try {
+        call();
+      } catch (const std::exception& exception) {
+        self->core_.events.say(
+            fmt::format("{}: its session failed: {}", self->known_as_, exception.what()));
+        self->out_->close("the computer made a mistake");
+      }
+      ServerCore& core = self->core_;
+      const bool greeted = self->session_ && self->session_->greeted();
+      asio::post(core.io, [self = std::move(self), greeted] {
+        self->greeted_ = greeted;
+        if (greeted) self->hello_timer_.cancel();
+        self->read();
+      });
+    });
+  }
+
+  void read() {
+    if (closed_) return;
+    buffer_.clear();
+    stream_.async_read(buffer_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) return self->on_closed(error);
+      self->on_message();
+    });
+  }
+
+  void on_message() {
+    core_.events.message_in(buffer_.size());
+    if (is_too_much(buffer_.size())) return;
+    const auto* begin = static_cast<const std::uint8_t*>(buffer_.data().data());
+    auto bytes = std::make_shared<Bytes>(begin, begin + buffer_.size());
+    on_session([self = shared_from_this(), bytes, is_text = stream_.got_text()] {
+      if (!self->session_) return;
+      if (!is_text) return self->session_->on_message(std::move(*bytes));
+      self->session_->on_text({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+    });
+  }
+
+  // Closes a client that sends more than it may; what it sent is not read any more.
+  bool is_too_much(std::size_t bytes) {
+    const ServerLimits& limits = core_.options.limits;
+    const double now_s = core_.now().steady_s;
+    std::string why;
+    if (!messages_.take("", now_s)) {
+      why = fmt::format("too many messages: at most {:.0f} a second", limits.rate_messages);
+    } else if (!bytes_.take("", now_s, static_cast<double>(bytes))) {
+      why = fmt::format("too many bytes: at most {:.0f} a second", limits.rate_bytes);
+    }
+    if (why.empty()) return false;
+    core_.events.refused("too many messages of one client", peer_, now_s);
+    ending_ = websocket::close_code::policy_error;
+    end_reason_ = why;
+    out_->shut();
+    flush();
+    read_to_the_end();
+    return true;
+  }
+
+  // Until the other side has closed, too.
+  void read_to_the_end() {
+    buffer_.clear();
+    stream_.async_read(buffer_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) return self->on_closed(error);
+      self->read_to_the_end();
+    });
+  }
+
+  void close() {
+    closing_ = true;
+    websocket::close_reason reason(*ending_);
+    // Control frames hold 123 bytes of reason.
+    const std::string text = end_reason_.substr(0, 123);
+    reason.reason = boost::string_view(text.data(), text.size());
+    stream_.async_close(reason, [self = shared_from_this()](error_code) { self->cut(); });
+  }
+
+  // The last reading has failed: there is no more to come.
+  void on_closed(error_code error) {
+    if (closed_) return;
+    closed_ = true;
+    hello_timer_.cancel();
+    out_->shut();
+    if (error == websocket::error::buffer_overflow) {
+      core_.events.refused("a message that is too large", peer_, core_.now().steady_s);
+      ending_ = websocket::close_code::too_big;
+      end_reason_ =
+          fmt::format("a message has at most {} bytes", core_.options.limits.message_bytes);
+      if (!closing_) close();
+    } else if (error == beast::error::timeout) {
+      core_.events.refused("a client that is gone", peer_, core_.now().steady_s);
+    }
+    core_.events.say(fmt::format("{}: {} ({}) gone{}", peer_, known_as_, who_.name,
+                                 end_reason_.empty() ? "" : ": " + end_reason_));
+    if (!closing_) cut();
+    asio::post(strand_, [self = shared_from_this()] {
+      try {
+        if (self->session_) self->session_->on_closed();
+      } catch (const std::exception& exception) {
+        self->core_.events.say(
+            fmt::format("{}: its session failed: {}", self->known_as_, exception.what()));
+      }
+      self->session_.reset();
+    });
+  }
+
+  std::shared_ptr<TableEntry> entry_;
+  ServerCore& core_;
+  const SocketOwner owner_;  // before what it keeps open
+  const Identity who_;
+  const std::string known_as_;  // in the log
+  const std::string peer_;
+  websocket::stream<TlsStream> stream_;
+  beast::flat_buffer buffer_;
+  RateLimit messages_;
+  RateLimit bytes_;
+  asio::steady_timer hello_timer_;
+  asio::strand<asio::thread_pool::executor_type> strand_;
+  std::shared_ptr<Outbox> out_;
+  std::unique_ptr<SocketSession> session_;  // belongs to the strand
+  std::optional<websocket::close_code> ending_;
+  std::string end_reason_;
+  bool open_ = false;
+  bool greeted_ = false;
+  bool writing_ = false;
+  bool closing_ = false;
+  bool closed_ = false;
+};
+
+void Outbox::send_text(std::string text) {
+  const auto connection = connection_.lock();
+  const std::scoped_lock lock(mutex_);
+  if (!open_ || !connection) return;
+  ServerCore& core = connection->core();
+  if (waiting_.size() >= max_messages_ || bytes_ + text.size() > max_bytes_) {
+    open_ = false;
+    for (std::size_t i = 0; i <= waiting_.size(); ++i) core.events.message_dropped();
+    waiting_.clear();
+    asio::post(core.io, [connection] { connection->overflow(); });
+    return;
+  }
+  bytes_ += text.size();
+  waiting_.push_back(std::move(text));
+  asio::post(core.io, [connection] { connection->flush(); });
+}
+
+void Outbox::close(std::string reason) {
+  const auto connection = connection_.lock();
+  const std::scoped_lock lock(mutex_);
+  if (!open_ || !connection) return;
+  open_ = false;  // what waits is sent, nothing more is taken
+  asio::post(connection->core().io,
+             [connection, reason = std::move(reason)] { connection->end(reason); });
+}
+
+std::optional<std::string> Outbox::next() {
+  const std::scoped_lock lock(mutex_);
+  if (waiting_.empty()) return std::nullopt;
+  std::string text = std::move(waiting_.front());
+  waiting_.pop_front();
+  return text;
+}
+
+void Outbox::sent(std::size_t bytes) {
+  const std::scoped_lock lock(mutex_);
+  bytes_ -= bytes;
+}
+
+}  // namespace
+
+void serve_socket(std::shared_ptr<TableEntry> entry, TlsStream stream, BeastRequest request,
+                  SocketOwner owner, std::string peer) {
+  ServerCore& core = entry->core();
+  const ConnectionTable::Number number = entry->number();
+  auto connection = std::make_shared<SocketConnection>(std::move(entry), std::move(stream),
+                                                       std::move(owner), std::move(peer));
+  core.table.set(number, connection);
+  connection->start(std::move(request));
+}
+
+}  // namespace roomwise::service
