@@ -109,8 +109,8 @@ Json json_of(const objects::OwnThingModel& model, const trials::OwnThingsOptions
             {"bias", model.bias},
             {"margin", model.margin},
             {"weights", Json::object()}};
-  for (std::size_t i = 0; i < objects::kLikenesses; ++i) {
-    json["weights"][std::string(objects::kLikenessNames[i])] = model.weights[i];
+  for (std::size_t i = 0; i < objects::kMatchFeatures; ++i) {
+    json["weights"][std::string(objects::kMatchFeatureNames[i])] = model.weights[i];
   }
   std::map<std::string, int> of_recording;
   for (const trials::ComparedThing& thing : things) {

@@ -46,7 +46,7 @@ std::vector<home::KeyframeId> chosen(const pipeline::CullingVerdicts& verdicts,
   if (options.choice == "judged") return judged;
   std::vector<home::KeyframeId> free;
   for (const auto& [id, verdict] : verdicts) {
-    if (verdict != pipeline::CullingVerdict::kHeld) free.push_back(id);
+    if (verdict != pipeline::CullingVerdict::kReferenced) free.push_back(id);
   }
   std::vector<home::KeyframeId> ids;
   if (options.choice == "every-second") {

@@ -12,14 +12,14 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kSag_m = 0.1;     // a map's floor may lie so much lower
-constexpr double kPerson_m = 1.9;  // as FloorGridOptions has it
-constexpr double kStep_m = 0.06;   // likewise: what differs less is the same floor
+constexpr double kSag_m = 0.1;         // a map's floor may lie so much lower
+constexpr double kPerson_m = 1.9;      // as FloorGridOptions has it
+constexpr double kSameFloor_m = 0.06;  // likewise: what differs less is the same floor
 // A camera is held over a knee and under the top of a head.
 constexpr double kCameraFrom_m = 0.3, kCameraTo_m = kPerson_m;
-constexpr double kBody_m = 0.25;   // a body's radius: what lies under it
-constexpr double kStorey_m = 2.0;  // three strides on one level: more than a landing of a flight
-constexpr double kStand_m = 0.45;  // a stride's half from an edge, and the length of a foot
+constexpr double kBody_m = 0.25;      // a body's radius: what lies under it
+constexpr double kMinWalked_m = 2.0;  // three strides on one level: more than a landing of a flight
+constexpr double kStand_m = 0.45;     // a stride's half from an edge, and the length of a foot
 // Steps that people build: building codes allow 14 to 20 cm, old houses have 12 to 23.
 constexpr double kMinRise_m = 0.12, kMaxRise_m = 0.23;
 constexpr double kCell_m = 0.05;
@@ -67,7 +67,7 @@ class LevelSurface {
     std::ranges::sort(heights);
     std::size_t most = 0, best = 0;
     for (std::size_t first = 0, end = 0; first < heights.size(); ++first) {
-      while (end < heights.size() && heights[end] - heights[first] <= kStep_m) ++end;
+      while (end < heights.size() && heights[end] - heights[first] <= kSameFloor_m) ++end;
       if (end - first <= most) continue;
       most = end - first;
       best = first + most / 2;
@@ -114,7 +114,7 @@ std::vector<double> levels_of(const std::vector<GroundPath>& paths) {
   for (;;) {
     double max_m = 0, level_m = 0, window_m = 0;
     for (std::size_t first = 0, end = 0; first < walked.size(); ++first) {
-      while (end < walked.size() && walked[end].first - walked[first].first <= 2 * kStep_m) {
+      while (end < walked.size() && walked[end].first - walked[first].first <= 2 * kSameFloor_m) {
         window_m += walked[end++].second;
       }
       const double middle_m = walked[first + (end - first) / 2].first;
@@ -126,7 +126,7 @@ std::vector<double> levels_of(const std::vector<GroundPath>& paths) {
       }
       window_m -= walked[first].second;
     }
-    if (max_m < kStorey_m) break;
+    if (max_m < kMinWalked_m) break;
     levels.push_back(level_m);
   }
   std::ranges::sort(levels);
@@ -145,7 +145,7 @@ struct Climb {
 std::optional<std::size_t> level_at(const GroundPlace& place, const std::vector<double>& levels) {
   if (!place.ground_m) return std::nullopt;
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    if (std::abs(*place.ground_m - levels[i]) <= kStep_m) return i;
+    if (std::abs(*place.ground_m - levels[i]) <= kSameFloor_m) return i;
   }
   return std::nullopt;
 }
@@ -178,9 +178,9 @@ std::vector<Climb> climbs_of(const GroundPath& path, const std::vector<double>& 
 }
 
 // A way as a line with a measure along it; straight where the walk was.
-class Axis {
+class Polyline {
  public:
-  explicit Axis(std::vector<Vector2d> way) {
+  explicit Polyline(std::vector<Vector2d> way) {
     double length_m = 0;
     for (std::size_t i = 1; i < way.size(); ++i) length_m += (way[i] - way[i - 1]).norm();
     // Who sways by a hand's breadth over a few strides still walks straight on.
@@ -341,7 +341,7 @@ class Flight {
 
 std::optional<Staircase> staircase_along(const Climb& climb, const TriangleMesh& mesh,
                                          const std::vector<double>& levels) {
-  const Axis axis(climb.way);
+  const Polyline axis(climb.way);
   if (!axis.is_line()) return std::nullopt;
   const double from_m = levels[climb.lower], height_m = levels[climb.lower + 1] - from_m;
   constexpr double kBeside_m = 2.0;  // flights of homes are narrower
@@ -349,13 +349,13 @@ std::optional<Staircase> staircase_along(const Climb& climb, const TriangleMesh&
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Vector3d place = mesh.vertices[i].cast<double>();
     const double over_m = place.z() - from_m;
-    if (over_m < kStep_m || over_m > height_m + kPerson_m) continue;
+    if (over_m < kSameFloor_m || over_m > height_m + kPerson_m) continue;
     const Vector2d measured = axis.measure(place.head<2>());
     if (measured.x() < 0 || measured.x() > axis.length_m()) continue;
     if (std::abs(measured.y()) > kBeside_m) continue;
     const bool is_level = mesh.normals[i].z() > 0.95F;
-    const bool is_tread = is_level && over_m < height_m - kStep_m;
-    // Of level places only treads are taken for treads; of all, what may be a rail or a wall.
+    const bool is_tread = is_level && over_m < height_m - kSameFloor_m;
+    // A tread is level and below the upper floor; a rail or a wall is higher than 0.7 m.
     if (is_tread && std::abs(measured.y()) < kBody_m) {
       treads.push_back({measured.x(), measured.y(), over_m});
     }

@@ -77,9 +77,9 @@ struct StoreysFound {
 };
 
 // The levels that people walked on, and the stairs between them. A level is a height at which the
-// surface lies under the path for a few strides (kStorey_m), farther than a person is tall from any
-// level that was walked more: whoever stands below must have room, and landings within a flight are
-// nearer. Steps are counted by the one spacing that all treads of a flight share.
+// surface lies under the path for a few strides (kMinWalked_m), farther than a person is tall from
+// any level that was walked more: whoever stands below must have room, and landings within a flight
+// are nearer. Steps are counted by the one spacing that all treads of a flight share.
 [[nodiscard]] StoreysFound find_storeys(const TriangleMesh& mesh_gravity,
                                         std::span<const CameraPath> paths);
 

@@ -140,7 +140,6 @@ void Guidance::plan_from(const Pose& pose) {
     ++leg_;
   }
   if (was_barred_here(pose)) step_clear(pose);
-  passes_door_ = leg_ > 0 && legs_[leg_ - 1].ends_at_door();
   announced_ = false;
   reminded_ = false;
   off_since_ns_.reset();
@@ -333,7 +332,7 @@ std::optional<Prompt> Guidance::update(const Walker& walker) {
   if (began_ns_ == 0) began_ns_ = walker.now_ns;
   const Pose* const pose = track_.pose(walker.now_ns);
   if (pose != nullptr) {
-    if (std::exchange(should_be_there_, false)) finished_ = 0;
+    if (std::exchange(should_be_there_, false)) said_of_end_ = 0;
     steps_until_ns_ = 0;
     if (auto warning = hazard(*pose, walker.now_ns)) return warning;
     if (auto warning = off_the_way(*pose, walker.now_ns)) return warning;
@@ -363,7 +362,7 @@ std::optional<Prompt> Guidance::update(const Walker& walker) {
 std::optional<Prompt> Guidance::begin(const Walker& walker) {
   const TimestampNs now_ns = walker.now_ns;
   const Pose pose = *track_.pose(now_ns);
-  const int said = begun_++;
+  const int said = said_of_beginning_++;
   if (said == 0) {
     plan_from(pose);
     if (plan_.reach == Reach::kRooms || plan_.reach == Reach::kUnknown) {
@@ -380,11 +379,11 @@ std::optional<Prompt> Guidance::begin(const Walker& walker) {
     return say({"guide.near"}, now_ns);
   }
   if (said <= 2 && plan_.is_narrow) {
-    begun_ = 3;
+    said_of_beginning_ = 3;
     return say({"guide.narrow"}, now_ns);
   }
   if (said <= 3) {
-    begun_ = 4;
+    said_of_beginning_ = 4;
     if (auto standing = where_one_stands(pose, now_ns)) return standing;
   }
   return act(pose, now_ns);
@@ -427,15 +426,15 @@ Prompt Guidance::act(const Pose& pose, TimestampNs now_ns) {
   const double turn = bearing_error_rad(pose);
   const Leg& leg = legs_[leg_];
   const double length_m = leg.stairs ? leg.length_m : (leg.to - pose.position_gravity).norm();
-  const double enough_rad = tries_side_ ? kPrecise_rad : straight_enough_rad(length_m);
-  if (tries_side_ && std::abs(turn) <= enough_rad) {
+  const double enough_rad = side_to_try_ ? kPrecise_rad : straight_enough_rad(length_m);
+  if (side_to_try_ && std::abs(turn) <= enough_rad) {
     // As it should be, and barred: there may be more room to one side.
-    const double side = *std::exchange(tries_side_, std::nullopt);
+    const double side = *std::exchange(side_to_try_, std::nullopt);
     state_ = State::kTurning;
     turn_from_rad_ = pose.heading_rad;
     return say_to_turn(turn_phrase(side * kPrecise_rad), now_ns);
   }
-  tries_side_.reset();
+  side_to_try_.reset();
   if (std::abs(turn) > enough_rad) {
     state_ = State::kTurning;
     turn_from_rad_ = pose.heading_rad;
@@ -637,7 +636,7 @@ std::optional<Prompt> Guidance::stopped(const Pose& pose, TimestampNs now_ns) {
   // Not around it, and it may go, as people do: the way of before holds again after a while.
   // What does not go is passed to the freer side, if at all.
   barred_floor_.reset();
-  if (was_barred_here(pose)) tries_side_ = freer_side(pose);
+  if (was_barred_here(pose)) side_to_try_ = freer_side(pose);
   count_barred(pose);
   waits_since_ns_ = now_ns;
   state_ = State::kStopped;
@@ -814,7 +813,7 @@ std::optional<Prompt> Guidance::hazard(const Pose& pose, TimestampNs now_ns) {
   prompt.priority = Priority::kHazard;
   if (is_at_door) {
     count_barred(pose);
-    if (!is_closed) tries_side_ = freer_side(pose);
+    if (!is_closed) side_to_try_ = freer_side(pose);
   } else if (!obstacle->is_on_map) {
     is_barred_by_hazard_ = plan_.reach == Reach::kWhole;
     bar_what_is_seen();
@@ -869,8 +868,7 @@ Prompt Guidance::step_unseen(TimestampNs now_ns) {
 // step, by which nobody errs by much.
 bool Guidance::may_end_unseen() const {
   const Pose* const last = track_.newest();
-  const bool is_solid = goal_.kind == Goal::Kind::kThing || goal_.kind == Goal::Kind::kWayOut;
-  if (state_ != State::kWalking || steps_until_ns_ != 0 || last == nullptr || !is_solid)
+  if (state_ != State::kWalking || steps_until_ns_ != 0 || last == nullptr || !is_solid())
     return false;
   if (legs_.empty() || !is_last_leg() || plan_.reach != Reach::kWhole) return false;
   const Leg& leg = legs_.back();
@@ -888,8 +886,8 @@ std::optional<Prompt> Guidance::end_unseen(TimestampNs now_ns) {
     return say({"guide.should_be_there", goal}, now_ns, Confidence::kProbable);
   }
   const std::vector<Phrase> left = at_goal_phrases();
-  if (static_cast<std::size_t>(finished_) < left.size()) {
-    return say(left[static_cast<std::size_t>(finished_++)], now_ns, Confidence::kProbable);
+  if (static_cast<std::size_t>(said_of_end_) < left.size()) {
+    return say(left[static_cast<std::size_t>(said_of_end_++)], now_ns, Confidence::kProbable);
   }
   if (silent_for_s(now_ns) < options_.remind_s) return std::nullopt;
   state_ = State::kArrived;
@@ -920,7 +918,7 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
   const TimestampNs now_ns = walker.now_ns;
   if (state_ != State::kLost) {
     const double missing_s = std::min(track_.age_s(now_ns), seconds_between(began_ns_, now_ns));
-    const bool is_new = begun_ == 0;
+    const bool is_new = said_of_beginning_ == 0;
     const bool stands = state_ != State::kWalking && track_.is_standing();
     const double max_s = is_new   ? 2 * kReaction_s
                          : stands ? options_.lost_standing_s
@@ -936,7 +934,9 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
                             : say_lost(is_new ? "route.no_place" : "guide.lost", now_ns);
   }
   if (const Pose* const pose = track_.pose(now_ns); pose != nullptr) {
-    state_ = begun_ == 0 ? State::kBeginning : stairs_ ? State::kStairs : State::kStopped;
+    state_ = said_of_beginning_ == 0 ? State::kBeginning
+             : stairs_               ? State::kStairs
+                                     : State::kStopped;
     const bool waited = std::exchange(waits_for_place_, false);
     const bool is_blocked = std::exchange(is_blocked_unseen_, false);
     if (waited && state_ == State::kBeginning) return std::nullopt;  // the beginning is told next
@@ -974,7 +974,7 @@ std::optional<Prompt> Guidance::by_rooms(const Walker& walker) {
     if (rooms.empty()) return std::nullopt;
   } else if (goal_.kind == Goal::Kind::kRoom) {
     state_ = State::kArrived;
-    finished_ = 1;
+    said_of_end_ = 1;
   }
   const auto phrase = rooms_phrase(goal_, rooms);
   if (!phrase) return std::nullopt;
@@ -995,7 +995,7 @@ Prompt Guidance::arrive(const Pose& pose, TimestampNs now_ns) {
   Phrase phrase{"guide.there_room", {}};
   if (goal_.kind == Goal::Kind::kRoom) {
     phrase.values = {{"room", room(*goal_.room)}};
-    finished_ = 1;
+    said_of_end_ = 1;
   } else {
     const Vector2d touch = goal_.kind == Goal::Kind::kDoor
                                ? goal_.outline->middle_gravity
@@ -1049,7 +1049,7 @@ std::vector<Phrase> Guidance::at_goal_phrases() const {
 // What is said after the first word of the end: what it lies on, how high to reach and what a
 // helper noted, or what is left.
 std::optional<Prompt> Guidance::finish(TimestampNs now_ns) {
-  const auto said = static_cast<std::size_t>(finished_++);
+  const auto said = static_cast<std::size_t>(said_of_end_++);
   if (state_ == State::kArrived) {
     const std::vector<Phrase> left = at_goal_phrases();
     return said < left.size() ? std::optional(say(left[said], now_ns)) : std::nullopt;
@@ -1089,7 +1089,7 @@ bool Guidance::is_in_reach(const Pose& pose) const {
 void Guidance::bar_what_is_ahead(const Pose& pose, double radius_m) {
   constexpr double kTouched_m = 0.35;
   const Vector2d middle = pose.place_of({kTouched_m + radius_m, 0});
-  bar({&middle, 1}, radius_m);
+  mark_occupied({&middle, 1}, radius_m);
 }
 
 void Guidance::bar_what_is_seen() {
@@ -1097,10 +1097,10 @@ void Guidance::bar_what_is_seen() {
   std::ranges::copy_if(obstacles_, std::back_inserter(seen),
                        [&](const Vector2d& obstacle) { return !is_on_map(obstacle, floor()); });
   constexpr double kSquare_m = 0.1;  // that each of them stands for
-  bar(seen, kSquare_m / 2 + map_.floor->cell_m() / 2);
+  mark_occupied(seen, kSquare_m / 2 + map_.floor->cell_m() / 2);
 }
 
-void Guidance::bar(std::span<const Vector2d> middles, double radius_m) {
+void Guidance::mark_occupied(std::span<const Vector2d> middles, double radius_m) {
   if (map_.floor == nullptr) return;
   const fusion::FloorGrid& floor = this->floor();
   image::Image<fusion::FloorCell> cells(floor.columns(), floor.rows(), fusion::FloorCell::kUnknown);
@@ -1181,7 +1181,7 @@ Prompt Guidance::blocked(const Pose& pose, TimestampNs now_ns) {
   // Not around it: what was known before holds again.
   barred_floor_.reset();
   count_barred(pose);
-  tries_side_ = freer_side(pose);
+  side_to_try_ = freer_side(pose);
   // Who comes no further after some tries is told what is left, and is not sent again.
   if (barred_times_ > kMaxTries) return end_of_way(pose, now_ns);
   state_ = State::kStopped;
@@ -1190,7 +1190,7 @@ Prompt Guidance::blocked(const Pose& pose, TimestampNs now_ns) {
 
 // To who asks after the end of the way.
 Prompt Guidance::say_end_again(const Pose* pose, TimestampNs now_ns) {
-  finished_ = goal_.kind == Goal::Kind::kRoom ? 1 : 0;
+  said_of_end_ = goal_.kind == Goal::Kind::kRoom ? 1 : 0;
   return pose == nullptr             ? no_place(now_ns)
          : state_ == State::kArrived ? arrive(*pose, now_ns)
                                      : end_of_way(*pose, now_ns);
@@ -1214,7 +1214,9 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
                  kNoticeValid_s);
     case GuidanceRequest::kResume:
       if (state_ == State::kPaused) {
-        state_ = begun_ == 0 ? State::kBeginning : stairs_ ? State::kStairs : State::kStopped;
+        state_ = said_of_beginning_ == 0 ? State::kBeginning
+                 : stairs_               ? State::kStairs
+                                         : State::kStopped;
       }
       return say({"guide.resumed"}, now_ns, Confidence::kSure, kNoticeValid_s);
     case GuidanceRequest::kRepeat:

@@ -184,7 +184,7 @@ class Guidance {
   [[nodiscard]] bool is_in_reach(const Pose& pose) const;
   void bar_what_is_ahead(const Pose& pose, double radius_m);
   void bar_what_is_seen();
-  void bar(std::span<const Eigen::Vector2d> middles, double radius_m);
+  void mark_occupied(std::span<const Eigen::Vector2d> middles, double radius_m);
   // That somebody came no further, about where they stand now.
   [[nodiscard]] bool was_barred_here(const Pose& pose) const;
   void count_barred(const Pose& pose);
@@ -224,7 +224,7 @@ class Guidance {
   std::optional<double> obstacle_m_;               // straight ahead, wherever that is
   std::optional<fusion::FloorGrid> barred_floor_;  // where the person found the way barred
   std::optional<Eigen::Vector2d> barred_at_;       // and where no other one is known
-  std::optional<double> tries_side_;               // where it has more room, after it was barred
+  std::optional<double> side_to_try_;              // where it has more room, after it was barred
   std::optional<Eigen::Vector2d> known_stop_at_;   // before what the map knows, told once
   int barred_times_ = 0;                           // there
   bool is_barred_by_hazard_ = false;               // just now, on a way that led to the goal
@@ -232,8 +232,8 @@ class Guidance {
   Plan plan_;
   std::vector<Leg> legs_;
   std::size_t leg_ = 0;
-  int begun_ = 0;                   // how much of the beginning was said
-  int finished_ = 0;                // how much of the end was said
+  int said_of_beginning_ = 0;       // how much of the beginning was said
+  int said_of_end_ = 0;             // how much of the end was said
   bool waits_for_place_ = false;    // lost, and told to stand; not yet to turn
   bool is_blocked_unseen_ = false;  // said so meanwhile: it is told once their place is known
   bool should_be_there_ = false;    // was told so without a place
@@ -241,7 +241,6 @@ class Guidance {
   TimestampNs turns_until_ns_ = 0;  // on the spot, as they were told to
   bool announced_ = false;          // what comes after this leg
   bool reminded_ = false;           // of what to do now
-  bool passes_door_ = false;        // has not been told yet
   double turn_from_rad_ = 0;        // the heading when a turn was asked for
   double pace_m_s_ = 0.5;           // at which they walk when they walk
   double pose_age_s_ = 0;           // of the newest place that is believed

@@ -98,11 +98,11 @@ void note_label(const objects::SearchedPicture& picture, const std::string& labe
 
 // Rows to fit on: of each thing what it is and what it is not weigh the same.
 struct FitRows {
-  std::vector<objects::Likeness> likeness;
+  std::vector<objects::MatchFeatures> likeness;
   std::vector<double> is_thing, weight;
 
-  void add(const std::vector<objects::Likeness>& some, bool is, double weight_of_all) {
-    for (const objects::Likeness& one : some) {
+  void add(const std::vector<objects::MatchFeatures>& some, bool is, double weight_of_all) {
+    for (const objects::MatchFeatures& one : some) {
       likeness.push_back(one);
       is_thing.push_back(is ? 1 : 0);
       weight.push_back(weight_of_all / static_cast<double>(some.size()));
@@ -114,7 +114,7 @@ FitRows rows_of(std::span<const ComparedThing> things, const std::string& left_o
   FitRows rows;
   for (const ComparedThing& thing : things) {
     if (thing.recording == left_out || !thing.was_taught()) continue;
-    std::vector<objects::Likeness> is, is_not;
+    std::vector<objects::MatchFeatures> is, is_not;
     for (const ComparedPicture& picture : thing.tests) {
       for (const ComparedPlace& place : picture.places) {
         if (place.overlap >= kLearnedAs) is.push_back(place.likeness);
@@ -197,7 +197,7 @@ double naive_threshold(std::span<const ComparedThing> things, const std::string&
 
 Way by_model(const objects::OwnThingModel& model) {
   return best_place(
-      [model](const objects::Likeness& likeness) { return model.log_odds(likeness); });
+      [model](const objects::MatchFeatures& likeness) { return model.log_odds(likeness); });
 }
 
 // What is usual in the thing's home, by a way of scoring.
@@ -337,7 +337,7 @@ objects::OwnThingModel fit_own_things(std::span<const ComparedThing> things,
                                       const OwnThingsOptions& options) {
   const FitRows rows = rows_of(things, left_out);
   const auto count = static_cast<Eigen::Index>(rows.likeness.size());
-  constexpr auto kColumns = static_cast<Eigen::Index>(objects::kLikenesses);
+  constexpr auto kColumns = static_cast<Eigen::Index>(objects::kMatchFeatures);
   Eigen::MatrixXd values(count, kColumns + 1);
   Eigen::VectorXd is_thing(count), weight(count);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -376,7 +376,7 @@ OwnThingsResult measure_own_things(std::span<const ComparedThing> things,
                                    const OwnThingsOptions& options) {
   OwnThingsResult result;
   const double max_false = options.max_false_an_hour / 3600;
-  const Way naive = best_place([](const objects::Likeness& likeness) { return likeness[0]; });
+  const Way naive = best_place([](const objects::MatchFeatures& likeness) { return likeness[0]; });
   const Way label = [](const ComparedPicture& picture) {
     return Said{picture.label_score, picture.label_overlap};
   };
@@ -384,8 +384,8 @@ OwnThingsResult measure_own_things(std::span<const ComparedThing> things,
   for (const ComparedThing& thing : things) recordings.insert(thing.recording);
   for (const std::string& recording : recordings) {
     const objects::OwnThingModel model = fit_own_things(things, recording, options);
-    const Way fitted =
-        best_place([model](const objects::Likeness& likeness) { return model.log_odds(likeness); });
+    const Way fitted = best_place(
+        [model](const objects::MatchFeatures& likeness) { return model.log_odds(likeness); });
     const double of_naive = naive_threshold(things, recording, naive, max_false);
     for (const ComparedThing& thing : things) {
       if (thing.recording != recording) continue;
@@ -450,9 +450,9 @@ Expected<std::vector<ComparedThing>> read_compared_things(const std::filesystem:
       one.at("label_overlap").get_to(picture.label_overlap);
       for (const auto& numbers : one.at("places")) {
         ComparedPlace& place = picture.places.emplace_back();
-        for (std::size_t i = 0; i < objects::kLikenesses; ++i)
+        for (std::size_t i = 0; i < objects::kMatchFeatures; ++i)
           numbers.at(i).get_to(place.likeness[i]);
-        numbers.at(objects::kLikenesses).get_to(place.overlap);
+        numbers.at(objects::kMatchFeatures).get_to(place.overlap);
       }
     }
     return some;

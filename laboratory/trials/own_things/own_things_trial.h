@@ -21,7 +21,7 @@ struct OwnThingsOptions {
 
 // How one thing compares with one picture.
 struct ComparedPlace {
-  objects::Likeness likeness{};
+  objects::MatchFeatures likeness{};
   double overlap = 0;  // with the truth, intersection over union; 0 where it is not there
 };
 struct ComparedPicture {

@@ -45,7 +45,8 @@ guide::TurnHint hint_of(const FrameResult& result) {
 }
 
 // Of the computer's or the device's state: what there is to say instead of an answer.
-guide::Prompt excuse(const std::string& message, const guide::Wording& wording, double now_t_ms) {
+guide::Prompt unavailable(const std::string& message, const guide::Wording& wording,
+                          double now_t_ms) {
   return guide::make_prompt(wording, "answer", message, {}, guide::Confidence::kUnsure,
                             guide::after(nanoseconds(now_t_ms), guide::kNoticeValid_s));
 }
@@ -84,12 +85,12 @@ guide::Prompt where_am_i(const Situation& situation, const guide::Wording& wordi
     }
   }
   const bool knows_rooms = home.recognizer != nullptr || (home.map && !home.rooms.empty());
-  if (!knows_rooms) return excuse("device.nothing_learned", wording, situation.now_t_ms);
+  if (!knows_rooms) return unavailable("device.nothing_learned", wording, situation.now_t_ms);
   if (result == nullptr) return no_picture(situation.settings, situation.now_t_ms);
-  return excuse("route.no_place", wording, situation.now_t_ms);
+  return unavailable("route.no_place", wording, situation.now_t_ms);
 }
 
-// What of the map it surely is that depth shows in the way.
+// The thing of the map that depth shows in the way, where that is certain.
 const guide::KnownThing* sure_thing_ahead(const Situation& situation) {
   const FrameResult& result = *situation.result;
   if (!result.place) return nullptr;
@@ -242,7 +243,7 @@ class HomeAnswers {
   // Where it is, what is in it, or how it is.
   [[nodiscard]] std::vector<guide::Prompt> of_room(const service::Ask& ask) const {
     if (ask.subject.empty() && !location_.room) {
-      return {excuse("route.no_place", wording_, situation_.now_t_ms)};
+      return {unavailable("route.no_place", wording_, situation_.now_t_ms)};
     }
     const std::string asked = ask.subject.empty() ? *location_.room : ask.subject;
     const auto room = room_meant(asked, situation_.home, wording_.phrases());
@@ -475,7 +476,8 @@ std::optional<std::string> way_back(const HomeView& home, std::int64_t now_s) {
 guide::Prompt excuse_for(const HomeView& home, bool has_picture, const guide::Wording& wording,
                          double now_t_ms) {
   const bool has_map = !home.walks.empty();
-  return excuse(has_map && !has_picture ? "device.no_picture" : "device.no_map", wording, now_t_ms);
+  return unavailable(has_map && !has_picture ? "device.no_picture" : "device.no_map", wording,
+                     now_t_ms);
 }
 
 guide::Wording wording_of(const service::SpeakingSettings& settings) {
@@ -522,7 +524,7 @@ std::vector<service::ThingInRooms> things_in_rooms(const HomeView& home,
 }
 
 guide::Prompt no_picture(const service::SpeakingSettings& settings, double now_t_ms) {
-  return excuse("device.no_picture", wording_of(settings), now_t_ms);
+  return unavailable("device.no_picture", wording_of(settings), now_t_ms);
 }
 
 std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situation) {
@@ -536,7 +538,7 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
       return {where_am_i(situation, wording)};
     case service::Question::kAroundMe:
       if (situation.home.walks.empty()) {
-        return {excuse("device.no_map", wording, situation.now_t_ms)};
+        return {unavailable("device.no_map", wording, situation.now_t_ms)};
       }
       if (situation.result == nullptr) return {no_picture(situation.settings, situation.now_t_ms)};
       return guide::around_prompts(location, situation.home.things, wording, now_ns,
@@ -555,9 +557,9 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
     case service::Question::kNameRoom:
       return {guide::named_prompt(ask.subject, wording, nanoseconds(situation.now_t_ms))};
     case service::Question::kGuide:
-      return {excuse("guide.not_running", wording, situation.now_t_ms)};
+      return {unavailable("guide.not_running", wording, situation.now_t_ms)};
     case service::Question::kRepeat:
-      return {excuse("repeat.nothing", wording, situation.now_t_ms)};
+      return {unavailable("repeat.nothing", wording, situation.now_t_ms)};
     case service::Question::kWhatCanIAsk:
       return guide::example_prompts(names_in(situation.home), wording, now_ns);
     case service::Question::kInWords:     // was understood before

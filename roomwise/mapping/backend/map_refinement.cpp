@@ -42,9 +42,8 @@ std::vector<PoseGraphEdge> agreeing_edges(const MapSolution& solution,
   return agreeing;
 }
 
-// How unsure an edge is of which views were taken by a rolling shutter: the top and the bottom of a
-// picture stand half a readout's motion, which is given for both key-frames, from where the middle
-// is.
+// The edge with its covariance inflated by what a rolling shutter displaces: the top and the bottom
+// of a picture are taken half a readout's motion (given for both key-frames) from its middle.
 PoseGraphEdge with_shutter_motion(const PoseGraphEdge& edge, const Vector6d& from,
                                   const Vector6d& to) {
   constexpr double kShare = 0.5;     // of a picture's distortion that goes into the pose
@@ -71,7 +70,7 @@ std::vector<RefinementWindow> windows_of(const MapSolution& solution,
 }
 
 // Which key-frames are the cameras of a window's bundle: those that are held come first.
-struct BundlePlaces {
+struct BundleCameras {
   std::vector<KeyframeId> keyframe;           // by place
   std::map<KeyframeId, std::uint32_t> place;  // of those that are cameras
   std::size_t held = 0;
@@ -80,7 +79,7 @@ struct BundlePlaces {
 };
 
 // At first the poses still err, and what is wrong is so many times further off than in the end.
-constexpr double kFirstSigmas = 10;
+constexpr double kFirstRoundFactor = 10;
 
 // By key-frame id: which edges lead to it or from it, by their numbers.
 std::vector<std::vector<std::size_t>> edges_by_keyframe(std::size_t keyframes,
@@ -101,7 +100,7 @@ struct AdjustedWindow {
   int iterations = 0;
   geometry::Termination termination = geometry::Termination::kConverged;
   double readout_s = 0;
-  std::size_t telling_views = 0;  // of the last walk's key-frames whose motion is known
+  std::size_t readout_observations = 0;  // of the last walk's key-frames whose motion is known
 };
 
 // One map on its way.
@@ -139,7 +138,7 @@ class Refiner {
       ROOMWISE_CHECK_OK(join_windows(refinement));
       bundle.readout_sigma_s = 0;  // it is found once
     }
-    ROOMWISE_TRY(const auto adjusted, sweep(bundle, /*floats=*/false));
+    ROOMWISE_TRY(const auto adjusted, sweep(bundle, /*has_free_boundary=*/false));
     if (is_whole) readout_s_ = adjusted.front().readout_s;
     sum_up(adjusted, refinement);
     refinement.world_from_keyframe = poses_;
@@ -153,7 +152,7 @@ class Refiner {
   Expected<void> join_windows(MapRefinement& refinement) {
     measured_ = edges_;
     is_measured_.assign(edges_.size(), false);
-    ROOMWISE_TRY(const auto floated, sweep(options_.bundle, /*floats=*/true));
+    ROOMWISE_TRY(const auto floated, sweep(options_.bundle, /*has_free_boundary=*/true));
     readout_s_ = mean_readout_s(floated);
     sum_up(floated, refinement);
     PoseGraph graph;
@@ -163,7 +162,7 @@ class Refiner {
       graph.world_from_node[id] = poses_[id];
       all.push_back(id);
     }
-    const double kernel_sigmas = kFirstSigmas * options_.bundle.kernel_sigmas;
+    const double kernel_sigmas = kFirstRoundFactor * options_.bundle.kernel_sigmas;
     for (const Ground& ground : grounds_.under(all, poses_, poses_.size(), kernel_sigmas)) {
       graph.world_from_node[ground.edges.front().from] = ground.world_from_ground;
       std::ranges::copy(ground.edges, std::back_inserter(graph.edges));
@@ -175,11 +174,12 @@ class Refiner {
     return {};
   }
 
-  Expected<std::vector<AdjustedWindow>> sweep(const BundleOptions& options, bool floats) {
+  Expected<std::vector<AdjustedWindow>> sweep(const BundleOptions& options,
+                                              bool has_free_boundary) {
     update_velocities();
     std::vector<AdjustedWindow> swept;
     for (const RefinementWindow& window : windows_) {
-      ROOMWISE_TRY(swept.emplace_back(), adjust(window, options, floats));
+      ROOMWISE_TRY(swept.emplace_back(), adjust(window, options, has_free_boundary));
       done_ = ++windows_done_ * iterations_of_window_;
     }
     return swept;
@@ -188,8 +188,8 @@ class Refiner {
   static double mean_readout_s(const std::vector<AdjustedWindow>& windows) {
     double sum = 0, views = 0;
     for (const AdjustedWindow& window : windows) {
-      sum += static_cast<double>(window.telling_views) * window.readout_s;
-      views += static_cast<double>(window.telling_views);
+      sum += static_cast<double>(window.readout_observations) * window.readout_s;
+      views += static_cast<double>(window.readout_observations);
     }
     return views > 0 ? sum / views : 0;
   }
@@ -238,13 +238,14 @@ class Refiner {
     }
   }
 
-  // With all else held; or, where the window floats, with those around as free as its own, for no
-  // more than to measure its edges anew.
+  // With all else held; or, with a free boundary, those around as free as its own, for no more than
+  // to measure its edges anew.
   [[nodiscard]] Expected<AdjustedWindow> adjust(const RefinementWindow& window,
-                                                const BundleOptions& options, bool floats) {
+                                                const BundleOptions& options,
+                                                bool has_free_boundary) {
     const auto has_landmarks = [&](KeyframeId id) { return inputs_.has_landmarks[id]; };
     if (windows_.size() > 1 && std::ranges::none_of(window.own, has_landmarks)) return {};
-    const BundlePlaces places = places_of(window, floats);
+    const BundleCameras places = places_of(window, has_free_boundary);
     std::vector<RigidTransform> before;
     for (const KeyframeId id : places.keyframe) before.push_back(poses_[id]);
     Bundle bundle;
@@ -266,11 +267,12 @@ class Refiner {
       return progress_.check("landmarks were adjusted");
     };
     for (int round = 0; round < options_.rounds; ++round) {
-      // In windows they stay as they were when the sweep began: all frames would be asked anew.
+      // In windows the velocities stay as they were when the sweep began: all frames would be asked
+      // anew.
       if (round > 0 && windows_.size() == 1) update_velocities();
-      const double widened = round == 0 ? kFirstSigmas : 1;
-      set_cameras(window, places, floats, bundle);
-      stand_on_grounds(places, widened * options_.bundle.kernel_sigmas, bundle);
+      const double widened = round == 0 ? kFirstRoundFactor : 1;
+      set_cameras(window, places, has_free_boundary, bundle);
+      add_gravity_nodes(places, widened * options_.bundle.kernel_sigmas, bundle);
       cull_views(bundle, widened * options_.max_sigmas);
       ROOMWISE_TRY(const BundleReport report, adjust_bundle(bundle, options, go_on));
       adjusted.iterations += report.solver.iterations;
@@ -279,7 +281,7 @@ class Refiner {
       for (std::size_t i = places.held; i < places.keyframe.size(); ++i)
         poses_[places.keyframe[i]] = bundle.cameras[i].world_from_camera;
     }
-    if (floats) {
+    if (has_free_boundary) {
       measure_edges(window, places);
       for (std::size_t i = 0; i < before.size(); ++i) poses_[places.keyframe[i]] = before[i];
     }
@@ -289,7 +291,7 @@ class Refiner {
   }
 
   // The edges of the window's own key-frames as it lies now; the first window to say so counts.
-  void measure_edges(const RefinementWindow& window, const BundlePlaces& places) {
+  void measure_edges(const RefinementWindow& window, const BundleCameras& places) {
     for (const std::size_t i : edges_at(window.own)) {
       const auto& [from, to] = std::pair(edges_[i].from, edges_[i].to);
       if (is_measured_[i] || !places.has(from) || !places.has(to)) continue;
@@ -313,11 +315,12 @@ class Refiner {
   }
 
   // Its own key-frames and those around; where it does not float also those that edges lead to.
-  [[nodiscard]] BundlePlaces places_of(const RefinementWindow& window, bool floats) const {
+  [[nodiscard]] BundleCameras places_of(const RefinementWindow& window,
+                                        bool has_free_boundary) const {
     std::map<KeyframeId, bool> may_move;  // of those that are there
-    for (const KeyframeId id : window.around) may_move[id] = floats;
+    for (const KeyframeId id : window.around) may_move[id] = has_free_boundary;
     for (const KeyframeId id : window.own) may_move[id] = true;
-    if (floats) {
+    if (has_free_boundary) {
       may_move[window.own.front()] = false;
     } else {
       for (const std::size_t edge : edges_at(window.own)) {
@@ -326,7 +329,7 @@ class Refiner {
       }
       for (auto& [id, moves] : may_move) moves = moves && !is_first_[id];
     }
-    BundlePlaces places;
+    BundleCameras places;
     for (const bool moving : {false, true}) {
       for (const auto& [id, moves] : may_move) {
         if (moves != moving) continue;
@@ -340,7 +343,7 @@ class Refiner {
 
   // Landmarks that key-frames of the window see; those that none of its own sees move nothing.
   [[nodiscard]] std::vector<Landmark> landmarks_of(
-      const RefinementWindow& window, const BundlePlaces& places, std::span<const KeyframeId> ids,
+      const RefinementWindow& window, const BundleCameras& places, std::span<const KeyframeId> ids,
       std::span<const KeyframeFeatures> features) const {
     std::vector<RigidTransform> poses;
     std::vector<std::size_t> components;
@@ -376,8 +379,8 @@ class Refiner {
   }
 
   // The cameras as the poses are now, with the edges between those of which one moves.
-  void set_cameras(const RefinementWindow& window, const BundlePlaces& places, bool floats,
-                   Bundle& bundle) {
+  void set_cameras(const RefinementWindow& window, const BundleCameras& places,
+                   bool has_free_boundary, Bundle& bundle) {
     bundle.cameras.clear();
     for (const KeyframeId id : places.keyframe)
       bundle.cameras.push_back({poses_[id], velocities_[id], walk_of_[id]});
@@ -385,7 +388,7 @@ class Refiner {
       return bundle.models[walk_of_[id]].readout_s * velocities_[id];
     };
     bundle.edges.clear();
-    for (const std::size_t number : edges_at(floats ? places.keyframe : window.own)) {
+    for (const std::size_t number : edges_at(has_free_boundary ? places.keyframe : window.own)) {
       const PoseGraphEdge& edge = edges_[number];
       if (!places.has(edge.from) || !places.has(edge.to)) continue;
       PoseGraphEdge& placed = bundle.edges.emplace_back(
@@ -396,7 +399,7 @@ class Refiner {
   }
 
   // The ground is one camera more, which sees nothing.
-  void stand_on_grounds(const BundlePlaces& places, double kernel_sigmas, Bundle& bundle) const {
+  void add_gravity_nodes(const BundleCameras& places, double kernel_sigmas, Bundle& bundle) const {
     const NodeId first = bundle.cameras.size();
     for (Ground& ground : grounds_.under(places.keyframe, poses_, first, kernel_sigmas)) {
       bundle.cameras.push_back({ground.world_from_ground});
@@ -407,7 +410,7 @@ class Refiner {
     }
   }
 
-  void count(const RefinementWindow& window, const BundlePlaces& places, const Bundle& bundle,
+  void count(const RefinementWindow& window, const BundleCameras& places, const Bundle& bundle,
              AdjustedWindow& adjusted) const {
     for (const Landmark& landmark : bundle.landmarks) {
       KeyframeId first = poses_.size();
@@ -416,7 +419,7 @@ class Refiner {
         first = std::min(first, id);
         adjusted.views += is_own(window, id) ? 1 : 0;
         const bool tells = walk_of_[id] + 1 == inputs_.walks.size() && !velocities_[id].isZero();
-        adjusted.telling_views += tells ? 1 : 0;
+        adjusted.readout_observations += tells ? 1 : 0;
       }
       adjusted.landmarks += is_own(window, first) ? 1 : 0;
     }

@@ -21,10 +21,10 @@ constexpr double kGraphPathSlackRatio = 0.2;
 constexpr int kMaxKnownTried = 2;
 // A component of the map makes new key-frames also on known ground until it has so many: only new
 // ones find the loops that join it with the others.
-constexpr std::size_t kGrownComponent = 100;
+constexpr std::size_t kMinComponentForReuse = 100;
 // Nothing is gone on from before the map has so many key-frames, in ReuseOptions::min_age: while
 // it is small, each new one costs little and makes it more exact, on known ground too.
-constexpr std::size_t kLargeMap_ages = 15;
+constexpr std::size_t kLargeMap_min_ages = 15;
 // So often a run can be taken up again, also where nothing happens.
 constexpr int kMaxFramesToCheckpoint = 300;
 // Motion is predicted from frames as far back as this.
@@ -156,7 +156,7 @@ Expected<MapUpdate> Mapper::place_newest(motion::FrameMeasurements measurements)
     ROOMWISE_TRY(const std::optional<RevisitedKeyframe> known,
                  find_revisited(measurements, motion));
     if (known) {
-      go_on_from(*known, outcome.pose);
+      reuse_keyframe(*known, outcome.pose);
       reach_checkpoint(step);
       return step;
     }
@@ -265,9 +265,9 @@ Expected<std::optional<Mapper::RevisitedKeyframe>> Mapper::find_revisited(
   if (options_.reuse.max_motion_ratio == 0) return std::nullopt;
   const auto min_age = static_cast<std::size_t>(options_.reuse.min_age);
   const std::size_t of_walk = keyframes_.size() - first_keyframe_;
-  if (of_walk < kLargeMap_ages * min_age) return std::nullopt;
+  if (of_walk < kLargeMap_min_ages * min_age) return std::nullopt;
   if (!component_has_at_least(graph_, reference_history_.back(),
-                              std::min(of_walk, kGrownComponent)))
+                              std::min(of_walk, kMinComponentForReuse)))
     return std::nullopt;
   struct Candidate {
     KeyframeId id = 0;
@@ -290,9 +290,9 @@ Expected<std::optional<Mapper::RevisitedKeyframe>> Mapper::find_revisited(
     ROOMWISE_TRY(const motion::MotionOutcome outcome,
                  compare(candidate.id, current, frames_.back().index, prior));
     // Without features there were no matches to look at.
-    const bool is_sure = outcome.matches == 0;
+    const bool used_whole_views = outcome.matches == 0;
     const bool is_old = candidate.id + min_age < keyframes_.size();
-    if (!outcome.found() || !(is_sure || is_old)) continue;
+    if (!outcome.found() || !(used_whole_views || is_old)) continue;
     if (motion_ratio(outcome.pose.reference_from_current) >= options_.reuse.max_motion_ratio)
       continue;
     return RevisitedKeyframe{candidate.id, outcome.pose};
@@ -300,7 +300,8 @@ Expected<std::optional<Mapper::RevisitedKeyframe>> Mapper::find_revisited(
   return std::nullopt;
 }
 
-void Mapper::go_on_from(const RevisitedKeyframe& known, const motion::RefinedPose& in_reference) {
+void Mapper::reuse_keyframe(const RevisitedKeyframe& known,
+                            const motion::RefinedPose& in_reference) {
   const KeyframeId reference = reference_history_.back();
   if (!graph_.between(reference, known.keyframe)) {
     const bool goes_back = known.keyframe < reference;
@@ -328,7 +329,7 @@ Expected<void> Mapper::add_keyframe(std::size_t frame_position,
   const bool is_newest_frame = frame_position + 1 == frames_.size();
   add_device_edge(newest.id, is_newest_frame, link && link->is_device_motion);
   const auto compare_newest = [&](KeyframeId reference) {
-    // Where the steps between two neighbours are known, so is nearly where they are.
+    // A prior from the odometry that leads from one to the other, where it is known throughout.
     std::optional<motion::PosePrior> prior;
     if (const auto steps = chain_odometry(reference))
       prior = motion::PosePrior::around(*steps, kStepsSigma_m, kStepsSigma_rad);

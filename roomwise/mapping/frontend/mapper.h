@@ -182,7 +182,7 @@ class Mapper {
   // An earlier key-frame that the newest frame, here relative to the reference, came back to.
   [[nodiscard]] Expected<std::optional<RevisitedKeyframe>> find_revisited(
       const motion::FrameMeasurements& current, const geometry::RigidTransform& motion);
-  void go_on_from(const RevisitedKeyframe& known, const motion::RefinedPose& in_reference);
+  void reuse_keyframe(const RevisitedKeyframe& known, const motion::RefinedPose& in_reference);
   [[nodiscard]] Expected<void> add_keyframe(std::size_t frame_position,
                                             motion::FrameMeasurements measurements,
                                             const std::optional<PoseGraphEdge>& link,

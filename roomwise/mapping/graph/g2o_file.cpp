@@ -16,9 +16,9 @@ using geometry::RigidTransform;
 constexpr std::string_view kBlanks = " \t\r";
 
 // The line's words, taken one after the other.
-class Words {
+class Tokenizer {
  public:
-  explicit Words(std::string_view line) : rest_(line.substr(0, line.find('#'))) {}
+  explicit Tokenizer(std::string_view line) : rest_(line.substr(0, line.find('#'))) {}
 
   // Empty at the end of the line.
   std::string_view next() {
@@ -54,7 +54,7 @@ class Words {
   std::string_view rest_;
 };
 
-Expected<RigidTransform> parse_transform(Words& words) {
+Expected<RigidTransform> parse_transform(Tokenizer& words) {
   RigidTransform transform;
   for (int i = 0; i < 3; ++i) {
     ROOMWISE_TRY(transform.translation(i), words.number<double>("the translation"));
@@ -74,7 +74,7 @@ Expected<RigidTransform> parse_transform(Words& words) {
   return transform;
 }
 
-Expected<Matrix6d> parse_information(Words& words) {
+Expected<Matrix6d> parse_information(Tokenizer& words) {
   Matrix6d information;
   for (int row = 0; row < 6; ++row) {
     for (int column = row; column < 6; ++column) {
@@ -89,7 +89,7 @@ Expected<Matrix6d> parse_information(Words& words) {
 class Reader {
  public:
   Expected<void> read_line(std::size_t number, std::string_view line) {
-    Words words(line);
+    Tokenizer words(line);
     const std::string_view type = words.next();
     if (type.empty()) return {};
     if (type == "VERTEX_SE3:QUAT") return read_vertex(words);
@@ -108,6 +108,7 @@ class Reader {
                       id);
         }
       }
+      // What does not join consecutive nodes is a loop closure, which may be wrong.
       edge.is_robust = !is_next(edge.from, edge.to);
     }
     if (fixed_ && (graph_.world_from_node.empty() ||
@@ -119,7 +120,7 @@ class Reader {
   }
 
  private:
-  Expected<void> read_vertex(Words& words) {
+  Expected<void> read_vertex(Tokenizer& words) {
     ROOMWISE_TRY(const NodeId id, words.number<NodeId>("the node"));
     ROOMWISE_TRY(const RigidTransform pose, parse_transform(words));
     ROOMWISE_CHECK_OK(words.end());
@@ -127,7 +128,7 @@ class Reader {
     return {};
   }
 
-  Expected<void> read_edge(Words& words, std::size_t line) {
+  Expected<void> read_edge(Tokenizer& words, std::size_t line) {
     PoseGraphEdge edge;
     ROOMWISE_TRY(edge.from, words.number<NodeId>("the first node"));
     ROOMWISE_TRY(edge.to, words.number<NodeId>("the second node"));
@@ -139,7 +140,7 @@ class Reader {
     return {};
   }
 
-  Expected<void> read_fix(Words& words, std::size_t line) {
+  Expected<void> read_fix(Tokenizer& words, std::size_t line) {
     ROOMWISE_TRY(const NodeId id, words.number<NodeId>("the node"));
     ROOMWISE_CHECK_OK(words.end());
     if (fixed_ && fixed_->first != id) return fail("a second node is held still; expected one FIX");

@@ -54,8 +54,9 @@ Expected<void> LocalizerOptions::validate() const {
   if (min_hypothesis_inliers < 4) {
     return fail("min_hypothesis_inliers = {} must be at least 4", min_hypothesis_inliers);
   }
-  if (!(by_color.min_probability >= 0 && by_color.min_probability <= 1)) {
-    return fail("by_color.min_probability = {} must be between 0 and 1", by_color.min_probability);
+  if (!(color_only.min_probability >= 0 && color_only.min_probability <= 1)) {
+    return fail("color_only.min_probability = {} must be between 0 and 1",
+                color_only.min_probability);
   }
   if (sure_inliers < 0) return fail("sure_inliers = {} must not be negative", sure_inliers);
   for (const auto& [name, share] :

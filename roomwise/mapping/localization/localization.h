@@ -44,7 +44,7 @@ struct LocalizerOptions {
   double sure_overlap = 0.4;
   double sure_agreeing = 0.8;
   // Without a depth image all of that is left to the model.
-  PoseModel by_color = PoseModel::fitted();
+  PoseModel color_only = PoseModel::fitted();
   // Even fewer inliers, down to so many, are a weak hypothesis: an answer if what the key-frames
   // around show is like the picture in pattern and depth. `min_confirmation` is likeness *
   // agreeing^4, over an overlap of `confirmed_overlap`, of which no more than
@@ -66,9 +66,9 @@ struct LocalizerOptions {
   // this share of it.
   double sure_support = 0.6;
   double max_rival_share = 0.6;
-  // A pattern as much like the map's (Localization::likeness) says that the picture did not slide
-  // along a wall. Without it the surfaces must hold the picture in place: the mean square of their
-  // normals along each direction is not below this.
+  // A pattern as much like the map's (Localization::pattern_correlation) says that the picture did
+  // not slide along a wall. Without it the surfaces must hold the picture in place: the mean square
+  // of their normals along each direction is not below this.
   double sure_pattern_correlation = 0.25;
   double min_normal_eigenvalue = 0.001;
 

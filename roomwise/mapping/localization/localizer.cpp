@@ -85,7 +85,7 @@ double coverage(std::span<const motion::PointObservation> observations,
 }
 
 // How much pattern and depth around a pose are the picture's.
-double confirmation(const Localization& pose) {
+double confirmation_score(const Localization& pose) {
   return pose.pattern_correlation * std::pow(pose.agreement.agreeing, 4);
 }
 
@@ -348,9 +348,10 @@ Localization Localizer::likeliest(const std::vector<Localization>& answers) cons
       best.rival_inliers = std::max(best.rival_inliers, other.inliers);
   }
   if (best.inliers < options_.clearly_more_inliers * best.rival_inliers) {
-    // Twin rooms: nothing but more inliers tells them apart.
+    // Perceptual aliasing, as of twin rooms: nothing but more inliers tells them apart.
     if (best.status > LocalizationStatus::kDoubtful) best.status = LocalizationStatus::kAmbiguous;
-  } else if (options_.by_color.probability(best.evidence()) >= options_.by_color.min_probability) {
+  } else if (options_.color_only.probability(best.evidence()) >=
+             options_.color_only.min_probability) {
     best.status = is_precise(best) ? LocalizationStatus::kFound : LocalizationStatus::kVague;
   } else if (best.status > LocalizationStatus::kDoubtful) {
     best.status = LocalizationStatus::kDoubtful;
@@ -371,7 +372,7 @@ Localization Localizer::by_features(const Query& query) const {
   });
   Localization best = answers.front();
   for (const Localization& other : answers) {
-    // Twin rooms: nothing but more inliers tells them apart.
+    // Perceptual aliasing, as of twin rooms: nothing but more inliers tells them apart.
     if (best.found() && other.has_pose() &&
         !is_same(other.world_from_camera, best.world_from_camera) &&
         best.inliers < options_.clearly_more_inliers * other.inliers) {
@@ -400,10 +401,10 @@ std::optional<Localization> Localizer::confirmed(const Query& query,
       continue;
     }
     pose.pattern_correlation = pattern_correlation_around(query, pattern, pose.world_from_camera);
-    if (confirmation(pose) >= options_.min_confirmation) poses.push_back(pose);
+    if (confirmation_score(pose) >= options_.min_confirmation) poses.push_back(pose);
   }
   if (poses.empty()) return std::nullopt;
-  Localization best = *std::ranges::max_element(poses, {}, confirmation);
+  Localization best = *std::ranges::max_element(poses, {}, confirmation_score);
   const auto is_elsewhere = [&](const Localization& other) {
     return !is_same(other.world_from_camera, best.world_from_camera);
   };
@@ -463,7 +464,7 @@ std::vector<Localization> Localizer::align_shapes(const Query& query) const {
   return poses;
 }
 
-Localization Localizer::by_shape(const Query& query) const {
+Localization Localizer::locate_by_depth(const Query& query) const {
   std::vector<Localization> poses = align_shapes(query);
   if (poses.empty()) return {};
   std::ranges::stable_sort(poses, std::ranges::greater(), &Localization::support);
@@ -517,7 +518,7 @@ Localization Localizer::propagate(const Localization& earlier, const motion::Ref
 Localization Localizer::locate(const Query& query) const {
   const Localization answer = by_features(query);
   if ((answer.found() && !answer.is_weak_hypothesis) || !can_compare_shapes(query)) return answer;
-  Localization shape = by_shape(query);
+  Localization shape = locate_by_depth(query);
   shape.matches = answer.matches;
   shape.inliers = answer.inliers;
   if (answer.is_weak_hypothesis) {
@@ -531,7 +532,8 @@ Localization Localizer::locate(const Query& query) const {
 
 PairLocalization Localizer::locate(const Query& first, const Query& second) const {
   PairLocalization places{locate(first), locate(second)};
-  if (const auto carried = carry(first, places.first, second)) bind(*carried, places);
+  if (const auto carried = locate_by_motion(first, places.first, second))
+    reconcile(*carried, places);
   return places;
 }
 
@@ -542,20 +544,21 @@ Localizer::Followed Localizer::follow(const Query& earlier, const Localization& 
                        may_show_the_same(place.world_from_camera, places.second.world_from_camera);
   const Localization alone = places.second;
   if (is_near) return {alone, alone, std::nullopt};
-  auto carried = carry(earlier, place, query);
+  auto carried = locate_by_motion(earlier, place, query);
   const bool is_wrong = carried && carried->status == LocalizationStatus::kContradicted;
-  if (carried && !(is_wrong && alone.found())) bind(*carried, places);
+  if (carried && !(is_wrong && alone.found())) reconcile(*carried, places);
   return {places.second, alone, std::move(carried)};
 }
 
 bool Localizer::agree(const Query& first, const Localization& first_place, const Query& second,
                       const Localization& second_place) const {
-  const auto carried = carry(first, first_place, second);
+  const auto carried = locate_by_motion(first, first_place, second);
   return carried && is_same(carried->world_from_camera, second_place.world_from_camera);
 }
 
-std::optional<Localization> Localizer::carry(const Query& first, const Localization& place,
-                                             const Query& second) const {
+std::optional<Localization> Localizer::locate_by_motion(const Query& first,
+                                                        const Localization& place,
+                                                        const Query& second) const {
   if (!place.has_pose()) return std::nullopt;
   motion::LocatorOptions options;
   options.features = options_.features;
@@ -566,7 +569,7 @@ std::optional<Localization> Localizer::carry(const Query& first, const Localizat
   return propagate(place, motion.pose, second);
 }
 
-void Localizer::bind(const Localization& carried, PairLocalization& places) const {
+void Localizer::reconcile(const Localization& carried, PairLocalization& places) const {
   const Localization& earlier = places.first;
   Localization& later = places.second;
   if (later.has_pose() && is_same(carried.world_from_camera, later.world_from_camera)) {

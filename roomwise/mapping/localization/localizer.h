@@ -128,13 +128,14 @@ class Localizer {
   [[nodiscard]] Localization by_features(const Query& query) const;
 
   [[nodiscard]] std::vector<Localization> align_shapes(const Query& query) const;
-  [[nodiscard]] Localization by_shape(const Query& query) const;
+  [[nodiscard]] Localization locate_by_depth(const Query& query) const;
   // The second's place by the first's and the motion between them; nothing where they show too
   // little of the same.
-  [[nodiscard]] std::optional<Localization> carry(const Query& first, const Localization& place,
-                                                  const Query& second) const;
+  [[nodiscard]] std::optional<Localization> locate_by_motion(const Query& first,
+                                                             const Localization& place,
+                                                             const Query& second) const;
   // What each alone tells of the second, where the motion between them leads to `carried`.
-  void bind(const Localization& carried, PairLocalization& places) const;
+  void reconcile(const Localization& carried, PairLocalization& places) const;
   [[nodiscard]] Localization propagate(const Localization& earlier,
                                        const motion::RefinedPose& motion,
                                        const Query& second) const;

@@ -437,7 +437,7 @@ TEST_F(LocalizerTest, TwoPicturesTellTheSecondsPlace) {
   expect_there(both.second, second_pose, 0.01, 0.005);
   EXPECT_FALSE(both.contradictory);
 
-  // Landmarks that only the two pictures show bind the second to the first.
+  // Landmarks that only the two pictures show tie the second to the first.
   const Landmarks new_things(furnished_room(), kLandmarks, 3);
   const FrameMeasurements unknown{new_things.seen_from(second_pose)};
   EXPECT_FALSE(localizer.locate({unknown, kCamera}).found());

@@ -122,7 +122,7 @@ Expected<ValueId> lower_pooling(Lowering& lowering, const Node& node) {
   const bool ceil = node.integer("ceil_mode", 0) != 0;
   if (node.operation == "AveragePool") {
     const bool counts_pads = node.integer("count_include_pad", 0) != 0;
-    pooling.kind = counts_pads ? Pooling::Kind::kMeanWithPadding : Pooling::Kind::kMean;
+    pooling.kind = counts_pads ? Pooling::Kind::kMeanIncludingPadding : Pooling::Kind::kMean;
     if (counts_pads && ceil) return fail("ceil_mode with count_include_pad is not supported");
   }
   if (node.outputs.size() > 1 && !node.outputs[1].empty()) {

@@ -11,21 +11,21 @@ using Function = Activation::Function;
 using Operator = Arithmetic::Operator;
 
 // Which layer gives each value, and by how many it is used. To be made anew when layers change.
-struct Links {
-  explicit Links(const Program& program)
-      : maker(program.values.size(), kNone), uses(count_uses(program)) {
-    for (std::size_t i = 0; i < program.layers.size(); ++i) maker[program.layers[i].output] = i;
+struct DefUse {
+  explicit DefUse(const Program& program)
+      : producer(program.values.size(), kNone), uses(count_uses(program)) {
+    for (std::size_t i = 0; i < program.layers.size(); ++i) producer[program.layers[i].output] = i;
   }
   // The layer that gives `value` and whose only use is the one that is looked at; null if none.
   template <typename Operation>
-  [[nodiscard]] Layer* only_for_this(Program& program, ValueId value) const {
-    if (maker[value] == kNone || uses[value] != 1) return nullptr;
-    Layer& layer = program.layers[maker[value]];
+  [[nodiscard]] Layer* single_use_producer(Program& program, ValueId value) const {
+    if (producer[value] == kNone || uses[value] != 1) return nullptr;
+    Layer& layer = program.layers[producer[value]];
     return layer.as<Operation>() != nullptr ? &layer : nullptr;
   }
 
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  std::vector<std::size_t> maker;
+  std::vector<std::size_t> producer;
   std::vector<std::size_t> uses;
 };
 
@@ -116,19 +116,19 @@ void apply_scale(Convolution& convolution, const Scale& scale) {
 }
 
 // x * sigmoid(x), or x * clip(x / 6 + 1/2, 0, 1), as one function of x.
-std::optional<Layer> self_gated(Program& program, const Links& links, const Layer& layer) {
+std::optional<Layer> match_swish(Program& program, const DefUse& def_use, const Layer& layer) {
   const Arithmetic* product = layer.as<Arithmetic>();
   if (product == nullptr || product->operation != Arithmetic::Operator::kMultiply)
     return std::nullopt;
   for (const std::size_t side : {0U, 1U}) {
     const ValueId x = layer.inputs[1 - side];
-    const Layer* gate = links.only_for_this<Activation>(program, layer.inputs[side]);
+    const Layer* gate = def_use.single_use_producer<Activation>(program, layer.inputs[side]);
     if (gate == nullptr) continue;
     const Activation& function = *gate->as<Activation>();
     if (function.function == Function::kSigmoid && gate->inputs[0] == x)
       return Layer{Activation{Function::kSwish, 0, 0}, {x}, layer.output, layer.node};
     if (function.function != Function::kClip || function.alpha != 0 || function.beta != 1) continue;
-    const Layer* line = links.only_for_this<Activation>(program, gate->inputs[0]);
+    const Layer* line = def_use.single_use_producer<Activation>(program, gate->inputs[0]);
     if (line == nullptr || line->inputs[0] != x) continue;
     const Activation& linear = *line->as<Activation>();
     if (linear.function == Function::kLinear && std::abs(linear.alpha - 1.0F / 6) < 1e-6F &&
@@ -163,10 +163,10 @@ void fold_padding(Program& program) {
 
 void fold_scales(Program& program) {
   for (std::size_t i = 0; i < program.layers.size(); ++i) {
-    const Links links(program);
+    const DefUse def_use(program);
     const auto scale = scale_of(program, program.layers[i]);
     if (!scale) continue;
-    Layer* layer = links.only_for_this<Convolution>(program, scale->scaled);
+    Layer* layer = def_use.single_use_producer<Convolution>(program, scale->scaled);
     if (layer == nullptr || layer->as<Convolution>()->adds_residual ||
         !layer->as<Convolution>()->activations.empty()) {
       continue;
@@ -181,16 +181,16 @@ void fold_scales(Program& program) {
 
 void fuse_activations(Program& program) {
   for (std::size_t i = 0; i < program.layers.size(); ++i) {
-    const Links links(program);
-    if (auto gated = self_gated(program, links, program.layers[i]))
+    const DefUse def_use(program);
+    if (auto gated = match_swish(program, def_use, program.layers[i]))
       program.layers[i] = std::move(*gated);
   }
   remove_unused(program);
   for (std::size_t i = 0; i < program.layers.size(); ++i) {
     const Activation* activation = program.layers[i].as<Activation>();
     if (activation == nullptr) continue;
-    const Links links(program);
-    Layer* layer = links.only_for_this<Convolution>(program, program.layers[i].inputs[0]);
+    const DefUse def_use(program);
+    Layer* layer = def_use.single_use_producer<Convolution>(program, program.layers[i].inputs[0]);
     if (layer == nullptr) continue;
     Layer merged = *layer;
     merged.as<Convolution>()->activations.push_back(*activation);
@@ -208,12 +208,12 @@ void fuse_residuals(Program& program) {
         sum.inputs[0] == sum.inputs[1]) {
       continue;
     }
-    const Links links(program);
+    const DefUse def_use(program);
     // The later of two convolutions takes the sum, so that the other may run before it.
     Layer* last = nullptr;
     ValueId residual = 0;
     for (const std::size_t side : {0U, 1U}) {
-      Layer* layer = links.only_for_this<Convolution>(program, sum.inputs[side]);
+      Layer* layer = def_use.single_use_producer<Convolution>(program, sum.inputs[side]);
       if (layer == nullptr || layer->as<Convolution>()->adds_residual ||
           !layer->as<Convolution>()->activations.empty() || (last != nullptr && layer < last)) {
         continue;
@@ -238,13 +238,13 @@ void fuse_residuals(Program& program) {
 // A mean that keeps the size and a 1x1 convolution are both linear, so either may come first; the
 // mean costs less on the convolution's outputs, where those are fewer. What is not linear (the
 // bias, where the padding's zeros count, and the activations) stays behind both.
-void swap_means(Program& program) {
+void move_means_behind_pointwise(Program& program) {
   for (std::size_t i = 0; i < program.layers.size(); ++i) {
     const Convolution* convolution = program.layers[i].as<Convolution>();
     if (convolution == nullptr || !convolution->is_pointwise()) continue;
     const Layer given = program.layers[i];
-    const Links links(program);
-    Layer* mean = links.only_for_this<Pooling>(program, given.inputs[0]);
+    const DefUse def_use(program);
+    Layer* mean = def_use.single_use_producer<Pooling>(program, given.inputs[0]);
     const Shape wanted = program.values[given.output].shape;
     if (mean == nullptr || mean->as<Pooling>()->kind == Pooling::Kind::kMaximum) continue;
     const Shape& before = program.values[mean->inputs[0]].shape;
@@ -261,7 +261,7 @@ void swap_means(Program& program) {
     Convolution linear = *convolution;
     linear.activations.clear();
     Constant bias;
-    if (swapped.as<Pooling>()->kind == Pooling::Kind::kMeanWithPadding) {
+    if (swapped.as<Pooling>()->kind == Pooling::Kind::kMeanIncludingPadding) {
       bias.floats = std::exchange(linear.bias, {});
       bias.shape = {1, wanted[1], 1, 1};
     }
@@ -304,7 +304,7 @@ Program run_passes(Program program, const PassOptions& options) {
   // Sums first: an activation behind one then follows it into the convolution.
   if (options.fuses_residuals) fuse_residuals(program);
   if (options.fuses_activations) fuse_activations(program);
-  if (options.swaps_means) swap_means(program);
+  if (options.swaps_means) move_means_behind_pointwise(program);
   return program;
 }
 

@@ -26,7 +26,7 @@ void fold_scales(Program& program);
 void fuse_activations(Program& program);
 void fuse_residuals(Program& program);
 void combine_gathers(Program& program);
-void swap_means(Program& program);
+void move_means_behind_pointwise(Program& program);
 // Takes out the layers whose results nobody uses.
 void remove_unused(Program& program);
 

@@ -75,7 +75,7 @@ struct Convolution {
 };
 
 struct Pooling {
-  enum class Kind { kMaximum, kMean, kMeanWithPadding };
+  enum class Kind { kMaximum, kMean, kMeanIncludingPadding };
   Kind kind = Kind::kMaximum;
   Window window;
 };

@@ -49,7 +49,8 @@ void take_pairs(std::vector<Pair> pairs, std::size_t count_a, std::size_t count_
   }
 }
 
-// How far apart things may be that are one, with its place in doubt: half a thing's floor.
+// Whether they may be one thing whose place is in doubt: their middles lie closer than half of the
+// mean diagonal of their footprints.
 bool stand_in_one_place(const PlacedInstance& a, const PlacedInstance& b) {
   const double half_m =
       0.25 * (a.box_world.size_m.head<2>().norm() + b.box_world.size_m.head<2>().norm());
@@ -70,11 +71,11 @@ class ChangeFinder {
       changes_.before[i].evidence = surface_evidence(before_[i].surface_world, views_now);
     }
     for (const PlacedInstance& thing : now_) {
-      earlier_.push_back(surface_evidence(thing.surface_world, views_before));
+      evidence_before_.push_back(surface_evidence(thing.surface_world, views_before));
     }
-    on_record_.resize(now_.size());
+    was_there_in_past_.resize(now_.size());
     for (const auto& match : match_past(past, now_)) {
-      if (match) on_record_[*match] = true;
+      if (match) was_there_in_past_[*match] = true;
     }
     find_in_place();
     judge_others();
@@ -84,19 +85,19 @@ class ChangeFinder {
   }
 
  private:
-  [[nodiscard]] bool is_looked_at(const FreeSpaceEvidence& evidence) const {
+  [[nodiscard]] bool is_observed(const FreeSpaceEvidence& evidence) const {
     return evidence.decided_share() >= options_.min_decided && evidence.views >= options_.min_views;
   }
   [[nodiscard]] bool differs(const FreeSpaceEvidence& evidence, double least) const {
     const double gone =
         options_.of_whole_surface ? evidence.gone_share_of_whole() : evidence.gone_share();
-    return is_looked_at(evidence) && gone >= least;
+    return is_observed(evidence) && gone >= least;
   }
   [[nodiscard]] bool is_new(std::size_t now, double least) const {
-    return on_record_[now] || differs(earlier_[now], least);
+    return was_there_in_past_[now] || differs(evidence_before_[now], least);
   }
 
-  // Rule 1.
+  // Rule 1: what is found where it was is there, or has moved a little.
   void find_in_place() {
     std::vector<Pair> pairs;
     for (std::size_t b = 0; b < before_.size(); ++b) {
@@ -109,7 +110,7 @@ class ChangeFinder {
     take_pairs(std::move(pairs), before_.size(), now_.size(), [&](const Pair& pair) {
       InstanceChange& state = changes_.before[pair.a];
       state.now = pair.b;
-      state.evidence_now = earlier_[pair.b];
+      state.evidence_now = evidence_before_[pair.b];
       taken_[pair.b] = true;
       const bool shifted =
           differs(state.evidence, options_.min_moved_gone_share) &&
@@ -119,11 +120,11 @@ class ChangeFinder {
     });
   }
 
-  // Rule 2.
+  // Rule 2: of the rest, depth tells what is gone.
   void judge_others() {
     for (InstanceChange& state : changes_.before) {
       if (state.now) continue;
-      if (!is_looked_at(state.evidence)) continue;
+      if (!is_observed(state.evidence)) continue;
       state.state = differs(state.evidence, options_.min_gone) ? ChangeState::kRemoved
                     : differs(state.evidence, options_.min_shifted_gone_share)
                         ? ChangeState::kShifted
@@ -131,7 +132,8 @@ class ChangeFinder {
     }
   }
 
-  // Rule 3. Where a thing is still that had another name, nothing is new.
+  // Rule 3: what depth did not show before has arrived. Where a thing is still that had another
+  // name, nothing is new.
   void collect_arrivals() {
     for (std::size_t n = 0; n < now_.size(); ++n) {
       if (taken_[n] || !is_new(n, options_.min_gone)) continue;
@@ -140,16 +142,16 @@ class ChangeFinder {
         is_there = changes_.before[b].state == ChangeState::kThere &&
                    stand_in_one_place(before_[b], now_[n]);
       }
-      if (!is_there) changes_.arrived.push_back({n, earlier_[n]});
+      if (!is_there) changes_.arrived.push_back({n, evidence_before_[n]});
     }
   }
 
-  // Rule 4.
+  // Rule 4: what is gone here and arrived there has moved.
   void join_moved() {
     std::vector<Pair> pairs;
     for (std::size_t b = 0; b < before_.size(); ++b) {
       if (changes_.before[b].state != ChangeState::kRemoved) continue;
-      for (const AddedInstance& arrival : changes_.arrived) {
+      for (const ArrivedInstance& arrival : changes_.arrived) {
         if (before_[b].name != now_[arrival.now].name) continue;
         pairs.push_back({distance_m(before_[b], now_[arrival.now]), b, arrival.now});
       }
@@ -157,17 +159,17 @@ class ChangeFinder {
     take_pairs(std::move(pairs), before_.size(), now_.size(), [&](const Pair& pair) {
       changes_.before[pair.a].state = ChangeState::kMoved;
       changes_.before[pair.a].now = pair.b;
-      changes_.before[pair.a].evidence_now = earlier_[pair.b];
+      changes_.before[pair.a].evidence_now = evidence_before_[pair.b];
       std::erase_if(changes_.arrived,
-                    [&](const AddedInstance& arrival) { return arrival.now == pair.b; });
+                    [&](const ArrivedInstance& arrival) { return arrival.now == pair.b; });
     });
   }
 
   std::span<const PlacedInstance> before_, now_;
   const ChangeOptions& options_;
-  std::vector<FreeSpaceEvidence> earlier_;  // of now_, by the map's depth
-  std::vector<bool> on_record_;             // of now_: stands where such a thing stood in the past
-  std::vector<bool> taken_;                 // of now_
+  std::vector<FreeSpaceEvidence> evidence_before_;  // of now_, by the map's depth
+  std::vector<bool> was_there_in_past_;  // of now_: stands where such a thing stood in the past
+  std::vector<bool> taken_;              // of now_
   Changes changes_;
 };
 

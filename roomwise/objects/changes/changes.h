@@ -76,13 +76,13 @@ struct InstanceChange {
   FreeSpaceEvidence
       evidence_now;  // of that one, by the map's depth: gone is what was not there yet
 };
-struct AddedInstance {
+struct ArrivedInstance {
   std::size_t now = 0;         // of the visit's things
   FreeSpaceEvidence evidence;  // of the map's depth: gone is what was not there yet
 };
 struct Changes {
-  std::vector<InstanceChange> before;  // as the things that were given
-  std::vector<AddedInstance> arrived;  // and not moved there from elsewhere in the home
+  std::vector<InstanceChange> before;    // as the things that were given
+  std::vector<ArrivedInstance> arrived;  // and not moved there from elsewhere in the home
 };
 
 struct ChangeOptions {

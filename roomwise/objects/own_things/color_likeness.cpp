@@ -15,7 +15,7 @@ int bin_of(float log_ratio) {
   return std::clamp(static_cast<int>(place * kColorBins), 0, kColorBins - 1);
 }
 
-void add_pixel(const Rgb8& pixel, const PictureLight& light, ColorShares& shares) {
+void add_pixel(const Rgb8& pixel, const PictureLight& light, ColorHistogram& shares) {
   const Eigen::Vector3f value(pixel.r, pixel.g, pixel.b);
   if (value.maxCoeff() < kBrightEnough) return;
   const Eigen::Vector3f lit = (value.array() + 1) / light.mean.array();
@@ -24,7 +24,7 @@ void add_pixel(const Rgb8& pixel, const PictureLight& light, ColorShares& shares
   shares[static_cast<std::size_t>(red * kColorBins + blue)] += 1;
 }
 
-void normalize(ColorShares& shares) {
+void normalize(ColorHistogram& shares) {
   float sum = 0;
   for (const float share : shares) sum += share;
   if (sum <= 0) return;
@@ -40,9 +40,9 @@ PictureLight light_of(const image::ColorImage& picture) {
   return {((sum / count).array() + 1).cast<float>()};
 }
 
-ColorShares color_shares(const image::ColorImage& picture, const image::GrayImage& mask,
-                         const PictureLight& light) {
-  ColorShares shares{};
+ColorHistogram color_histogram(const image::ColorImage& picture, const image::GrayImage& mask,
+                               const PictureLight& light) {
+  ColorHistogram shares{};
   for (std::size_t i = 0; i < picture.pixels().size(); ++i) {
     if (mask.pixels()[i] != 0) add_pixel(picture.pixels()[i], light, shares);
   }
@@ -50,20 +50,20 @@ ColorShares color_shares(const image::ColorImage& picture, const image::GrayImag
   return shares;
 }
 
-double color_likeness(const ColorShares& a, const ColorShares& b) {
+double color_likeness(const ColorHistogram& a, const ColorHistogram& b) {
   double likeness = 0;
   for (std::size_t i = 0; i < a.size(); ++i)
     likeness += static_cast<double>(std::sqrt(a[i] * b[i]));
   return likeness;
 }
 
-ColorTable::ColorTable(const image::ColorImage& picture)
+IntegralColorHistogram::IntegralColorHistogram(const image::ColorImage& picture)
     : columns_(picture.width() / kCell_px + 1),
       rows_(picture.height() / kCell_px + 1),
       sums_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {
   const PictureLight light = light_of(picture);
   for (int row = 1; row < rows_; ++row) {
-    ColorShares line{};
+    ColorHistogram line{};
     for (int column = 1; column < columns_; ++column) {
       // One pixel of the cell in two by two: colours of a window need no more.
       for (int y = (row - 1) * kCell_px; y < row * kCell_px; y += 2) {
@@ -72,22 +72,22 @@ ColorTable::ColorTable(const image::ColorImage& picture)
         }
       }
       const auto at = static_cast<std::size_t>(row * columns_ + column);
-      const ColorShares& above = sums_[at - static_cast<std::size_t>(columns_)];
+      const ColorHistogram& above = sums_[at - static_cast<std::size_t>(columns_)];
       for (std::size_t i = 0; i < line.size(); ++i) sums_[at][i] = above[i] + line[i];
     }
   }
 }
 
-ColorShares ColorTable::shares(const network::PixelBox& box) const {
+ColorHistogram IntegralColorHistogram::shares(const network::PixelBox& box) const {
   const auto cell = [](float edge_px, int cells) {
     return std::clamp(static_cast<int>(std::lround(edge_px / kCell_px)), 0, cells - 1);
   };
   const int left = cell(box.left, columns_), right = cell(box.right, columns_);
   const int top = cell(box.top, rows_), bottom = cell(box.bottom, rows_);
-  const auto sum = [&](int column, int row) -> const ColorShares& {
+  const auto sum = [&](int column, int row) -> const ColorHistogram& {
     return sums_[static_cast<std::size_t>(row * columns_ + column)];
   };
-  ColorShares shares{};
+  ColorHistogram shares{};
   for (std::size_t i = 0; i < shares.size(); ++i) {
     shares[i] = std::max(
         0.F, sum(right, bottom)[i] - sum(left, bottom)[i] - sum(right, top)[i] + sum(left, top)[i]);

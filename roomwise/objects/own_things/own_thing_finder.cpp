@@ -16,7 +16,7 @@ constexpr float kSamePlace = 0.7F;  // boxes that overlap so are looked at once
 constexpr std::size_t kViewsInMean = 3;
 constexpr int kWorkingWidth_px = 640;  // of pictures; wider ones are shrunk
 
-double inner(std::span<const float> a, std::span<const float> b) {
+double dot_product(std::span<const float> a, std::span<const float> b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     sum += static_cast<double>(a[i]) * static_cast<double>(b[i]);
@@ -62,8 +62,9 @@ features::Features inside(const features::Features& all, const image::GrayImage&
 
 // Where in a picture the colours are most like those of the view. Sides are those of things at
 // arm's length to across a room.
-std::optional<network::PixelBox> colored_window(const ColorTable& table, const PreparedView& view,
-                                                int width_px, int height_px) {
+std::optional<network::PixelBox> colored_window(const IntegralColorHistogram& table,
+                                                const PreparedView& view, int width_px,
+                                                int height_px) {
   constexpr std::array kSides{0.08F, 0.13F, 0.2F, 0.32F, 0.5F};  // of the picture's width
   const float shape = static_cast<float>(view.width_px) / static_cast<float>(view.height_px);
   std::optional<network::PixelBox> best;
@@ -94,12 +95,12 @@ std::size_t inliers_in(const PlacedView& placed, const network::PixelBox& box) {
   }));
 }
 
-Likeness likeness_of(const PreparedThing& thing, std::span<const float> seen,
-                     const ColorShares& colors, std::size_t agreeing) {
+MatchFeatures match_features(const PreparedThing& thing, std::span<const float> seen,
+                             const ColorHistogram& colors, std::size_t agreeing) {
   std::vector<double> similar;
   double color = 0;
   for (const PreparedView& view : thing.views) {
-    similar.push_back(inner(seen, view.embedding));
+    similar.push_back(dot_product(seen, view.embedding));
     color = std::max(color, color_likeness(view.color, colors));
   }
   if (similar.empty()) return {};
@@ -155,7 +156,7 @@ std::vector<float> OwnThingFinder::centered(std::vector<float> features) const {
   if (background_.mean.size() == features.size()) {
     for (std::size_t i = 0; i < features.size(); ++i) features[i] -= background_.mean[i];
   }
-  const double length = std::sqrt(inner(features, features));
+  const double length = std::sqrt(dot_product(features, features));
   if (length > 0) {
     for (float& value : features) value = static_cast<float>(static_cast<double>(value) / length);
   }
@@ -189,7 +190,7 @@ Expected<std::vector<std::size_t>> OwnThingFinder::choose_views(std::span<const 
   while (chosen.size() < std::min(most, shown.size())) {
     std::optional<std::size_t> farthest;
     for (std::size_t i = 0; i < shown.size(); ++i) {
-      nearest[i] = std::max(nearest[i], inner(embeddings[i], embeddings[chosen.back()]));
+      nearest[i] = std::max(nearest[i], dot_product(embeddings[i], embeddings[chosen.back()]));
       if (std::ranges::count(chosen, i) > 0) continue;
       if (!farthest || nearest[i] < nearest[*farthest]) farthest = i;
     }
@@ -206,7 +207,7 @@ Expected<PreparedThing> OwnThingFinder::prepare(std::span<const TaughtView> view
     ROOMWISE_TRY(network::Prediction seen, network_.predict(shown.crop));
     prepared.embedding = centered(std::move(seen.features));
     prepared.features = inside(of_views_->extract(image::to_gray(shown.crop)), shown.mask);
-    prepared.color = color_shares(shown.crop, shown.mask, light_of(shown.crop));
+    prepared.color = color_histogram(shown.crop, shown.mask, light_of(shown.crop));
     prepared.width_px = shown.crop.width();
     prepared.height_px = shown.crop.height();
   }
@@ -218,7 +219,7 @@ void OwnThingFinder::add_places_of(const PreparedThing& thing, std::size_t index
   const SearchedPicture& picture = places.picture;
   std::vector<PlacedView>& placed = places.placed[index];
   for (const PreparedView& view : thing.views) {
-    auto one = place_view(view.features, view.width_px, view.height_px, picture.features_);
+    auto one = verify_view(view.features, view.width_px, view.height_px, picture.features_);
     if (one) placed.push_back(*std::move(one));
   }
   std::ranges::stable_sort(placed, std::ranges::greater{}, &PlacedView::inliers);
@@ -262,19 +263,22 @@ Expected<SearchedPicture> OwnThingFinder::begin(const image::ColorImage& full) c
 Expected<std::vector<OwnThingCandidate>> OwnThingFinder::compare(
     SearchedPicture& picture, std::span<const PreparedThing> things) const {
   const Places places = places_in(picture, things);
-  const float back = picture.back_;
+  const float to_full_scale = picture.to_full_scale_;
   std::vector<OwnThingCandidate> candidates;
   for (const network::PixelBox& box : places.boxes) {
     ROOMWISE_TRY(const std::vector<float> seen, embed(picture, box));
-    const ColorShares colors = picture.colors_.shares(box);
+    const ColorHistogram colors = picture.colors_.shares(box);
     for (std::size_t i = 0; i < things.size(); ++i) {
       std::size_t agreeing = 0;
       for (const PlacedView& placed : places.placed[i]) {
         agreeing = std::max(agreeing, inliers_in(placed, box));
       }
-      OwnThingCandidate candidate{
-          i, {box.left * back, box.top * back, box.right * back, box.bottom * back}, {}, 0};
-      candidate.likeness = likeness_of(things[i], seen, colors, agreeing);
+      OwnThingCandidate candidate{i,
+                                  {box.left * to_full_scale, box.top * to_full_scale,
+                                   box.right * to_full_scale, box.bottom * to_full_scale},
+                                  {},
+                                  0};
+      candidate.likeness = match_features(things[i], seen, colors, agreeing);
       candidate.log_odds = model_.log_odds(candidate.likeness);
       candidates.push_back(candidate);
     }

@@ -25,7 +25,7 @@ struct HomeBackground {
 struct PreparedView {
   std::vector<float> embedding;  // of length 1, without what the home's places have in common
   features::Features features;
-  ColorShares color{};
+  ColorHistogram color{};
   int width_px = 0, height_px = 0;  // of its crop
 };
 struct PreparedThing {
@@ -36,7 +36,7 @@ struct PreparedThing {
 struct OwnThingCandidate {
   std::size_t thing = 0;  // index
   network::PixelBox box;
-  Likeness likeness{};
+  MatchFeatures likeness{};
   double log_odds = 0;
 };
 
@@ -48,13 +48,13 @@ class SearchedPicture {
 
  private:
   friend class OwnThingFinder;
-  SearchedPicture(image::ColorImage color, float back)
-      : color_(std::move(color)), back_(back), colors_(color_) {}
+  SearchedPicture(image::ColorImage color, float to_full_scale)
+      : color_(std::move(color)), to_full_scale_(to_full_scale), colors_(color_) {}
 
   image::ColorImage color_;  // as it is searched
-  float back_;               // pixels of the picture to one of color_
+  float to_full_scale_;      // pixels of the picture to one of color_
   features::Features features_;
-  ColorTable colors_;
+  IntegralColorHistogram colors_;
   std::vector<network::Detection> detections_;  // best first, in pixels of color_
   std::vector<std::pair<network::PixelBox, std::vector<float>>> embedded_;
 };

@@ -12,7 +12,7 @@
 
 namespace roomwise::objects {
 
-double OwnThingModel::log_odds(const Likeness& likeness) const {
+double OwnThingModel::log_odds(const MatchFeatures& likeness) const {
   return std::inner_product(likeness.begin(), likeness.end(), weights.begin(), bias);
 }
 
@@ -23,12 +23,12 @@ Expected<OwnThingModel> OwnThingModel::parse(std::string_view json) {
     parsed.at("bias").get_to(model.bias);
     parsed.at("margin").get_to(model.margin);
     const auto& weights = parsed.at("weights");
-    for (std::size_t i = 0; i < kLikenesses; ++i) {
-      weights.at(std::string(kLikenessNames[i])).get_to(model.weights[i]);
+    for (std::size_t i = 0; i < kMatchFeatures; ++i) {
+      weights.at(std::string(kMatchFeatureNames[i])).get_to(model.weights[i]);
     }
-    if (weights.size() != kLikenesses) {
+    if (weights.size() != kMatchFeatures) {
       return fail("the model of own things: it weighs {} likenesses; this program knows {}",
-                  weights.size(), kLikenesses);
+                  weights.size(), kMatchFeatures);
     }
   } catch (const nlohmann::json::exception& error) {
     return fail("the model of own things: {}", error.what());

@@ -14,22 +14,22 @@ namespace roomwise::objects {
 //   embedding_mean: the same in the mean over the three that are;
 //   inliers: log(1 + n), n local features that agree where the view lies;
 //   color: likeness of the colours.
-constexpr std::size_t kLikenesses = 4;
-using Likeness = std::array<double, kLikenesses>;
-constexpr std::array<std::string_view, kLikenesses> kLikenessNames{"embedding", "embedding_mean",
-                                                                   "inliers", "color"};
+constexpr std::size_t kMatchFeatures = 4;
+using MatchFeatures = std::array<double, kMatchFeatures>;
+constexpr std::array<std::string_view, kMatchFeatures> kMatchFeatureNames{
+    "embedding", "embedding_mean", "inliers", "color"};
 
 // A logistic regression on likeness: own_thing_model.json, which roomwise-lab own-things writes and
 // where it stands what it was fitted on.
 struct OwnThingModel {
   double bias = 0;
-  Likeness weights{};
+  MatchFeatures weights{};
   // Log odds above the usual ones of a home's pictures, from which on a thing counts as found: such
   // that in an hour of walking, a picture a second, one that is not there is found once in the
   // mean.
   double margin = 0;
 
-  [[nodiscard]] double log_odds(const Likeness& likeness) const;
+  [[nodiscard]] double log_odds(const MatchFeatures& likeness) const;
   // Fails, naming the field, where one is missing, of another type or not finite, or is none that
   // this program knows.
   [[nodiscard]] static Expected<OwnThingModel> parse(std::string_view json);

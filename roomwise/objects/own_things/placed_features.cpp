@@ -84,8 +84,8 @@ network::PixelBox outline_of_view(const Affine& transform, int width_px, int hei
 
 }  // namespace
 
-std::optional<PlacedView> place_view(const features::Features& view, int width_px, int height_px,
-                                     const features::Features& picture) {
+std::optional<PlacedView> verify_view(const features::Features& view, int width_px, int height_px,
+                                      const features::Features& picture) {
   std::vector<Pair> pairs;
   for (const features::Match& match : features::match_features(view, picture)) {
     pairs.push_back({&view.keypoints[match.query], &picture.keypoints[match.train]});

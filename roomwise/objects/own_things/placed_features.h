@@ -21,8 +21,8 @@ struct PlacedView {
 // angles how the view would lie in the picture, and the one that most others fit is taken; then an
 // affine transform through all that fit. Where fewer than three agree there is nothing. No chance
 // is in it: all are tried. Time: the square of the number of matches.
-[[nodiscard]] std::optional<PlacedView> place_view(const features::Features& view, int width_px,
-                                                   int height_px,
-                                                   const features::Features& picture);
+[[nodiscard]] std::optional<PlacedView> verify_view(const features::Features& view, int width_px,
+                                                    int height_px,
+                                                    const features::Features& picture);
 
 }  // namespace roomwise::objects

@@ -25,7 +25,7 @@ constexpr std::array<std::pair<CullingVerdict, std::string_view>, 5> kVerdicts{
      {CullingVerdict::kNotFound, "not found by the walks before"},
      {CullingVerdict::kShowsMore, "shows what others do not"},
      {CullingVerdict::kRoomsPicture, "a picture of its room"},
-     {CullingVerdict::kHeld, "something hangs on it"}}};
+     {CullingVerdict::kReferenced, "something hangs on it"}}};
 
 // The first of each walk, by which a recording is known again, and of each component, in whose
 // world the others lie; and where something hangs.
@@ -88,7 +88,7 @@ class KeyframeJudge {
     ROOMWISE_TRY(const auto edits, stored_edits(home));
     const std::set<home::RecordingId> taken = walks_taken_away(edits);
     for (const home::Keyframe& one : judge.placed_)
-      judge.left_out_.push_back(one.recording >= walk || taken.contains(one.recording));
+      judge.excluded_.push_back(one.recording >= walk || taken.contains(one.recording));
     judge.walk_ = walk;
     return judge;
   }
@@ -106,12 +106,12 @@ class KeyframeJudge {
   // Of a candidate. Thread-safe.
   [[nodiscard]] CullingVerdict judge(std::size_t place) const {
     const home::Keyframe& keyframe = placed_[place];
-    if (held_.contains(keyframe.id) || shows_a_change(keyframe)) return CullingVerdict::kHeld;
+    if (held_.contains(keyframe.id) || shows_a_change(keyframe)) return CullingVerdict::kReferenced;
     const auto measured = localizer_.keyframe(place);
-    if (!measured) return CullingVerdict::kHeld;
+    if (!measured) return CullingVerdict::kReferenced;
     if (!is_seen_by_others(place, measured->measurements.view())) return CullingVerdict::kShowsMore;
     mapping::Query query{measured->measurements, cameras_.at(keyframe.recording), std::nullopt,
-                         left_out_};
+                         excluded_};
     for (int cover = 0; cover < options_.covers; ++cover) {
       const mapping::Localization answer = localizer_.localizer().locate(query);
       if (!is_right(answer, keyframe)) return CullingVerdict::kNotFound;
@@ -157,8 +157,8 @@ class KeyframeJudge {
     });
   }
 
-  // Whether of what the picture measured the share that the localiser calls surely agreeing was
-  // measured by as many others, and others look through little of it.
+  // Whether others measured enough of what the picture measured (the share that the localiser calls
+  // surely agreeing, each by as many others), and look through little of it.
   [[nodiscard]] bool is_seen_by_others(std::size_t place, const motion::RgbdPyramid& view) const {
     if (view.empty()) return false;
     const motion::PyramidLevel& level = motion::compared_level(view);
@@ -203,7 +203,7 @@ class KeyframeJudge {
     std::vector<std::pair<double, std::size_t>> near;
     const RigidTransform from_world = placed_[place].pose.world_from_keyframe.inverse();
     for (std::size_t i = 0; i < placed_.size(); ++i) {
-      if (left_out_[i]) continue;
+      if (excluded_[i]) continue;
       const RigidTransform apart = from_world * placed_[i].pose.world_from_keyframe;
       if (apart.distance_m() > limits_.place_m || apart.angle_rad() > limits_.place_rad) continue;
       near.emplace_back(apart.distance_m() + apart.angle_rad(), i);
@@ -220,7 +220,7 @@ class KeyframeJudge {
   mapping::LocalizerOptions limits_;
   std::vector<home::Keyframe> keyframes_;  // by id
   std::vector<home::Keyframe> placed_;     // of the map
-  std::vector<bool> left_out_;  // by place among those: of the walk, a later one, or one taken away
+  std::vector<bool> excluded_;  // by place among those: of the walk, a later one, or one taken away
   home::RecordingId walk_ = 0;
   std::map<home::RecordingId, geometry::PinholeCamera> cameras_;
   KeyframeRooms rooms_;
@@ -243,8 +243,8 @@ Poses poses_of(std::span<const home::Keyframe> keyframes) {
   return poses;
 }
 
-// On which of those that stay a frame hangs whose key-frame goes: the one before it on its walk, or
-// the one after it, else the nearest of its component, whose first one stays.
+// The key-frame that stays to which the frames of one that goes are anchored: the one before it on
+// its walk, or the one after it, else the nearest of its component, whose first one stays.
 home::KeyframeId anchor_of(home::KeyframeId id, std::span<const home::Keyframe> keyframes,
                            const std::set<home::KeyframeId>& culled) {
   const home::Keyframe& gone = keyframes[id];

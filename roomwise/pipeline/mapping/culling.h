@@ -31,7 +31,8 @@ enum class CullingVerdict {
   kNotFound,      // the walks before do not say, or say wrongly, where it was taken
   kShowsMore,     // surfaces that no others, or too few, have seen, or others look through
   kRoomsPicture,  // the room is named there, and those that show the same are not of its pictures
-  kHeld,  // something hangs on it: a thing, a change by hand, where the walk or its part begins
+  kReferenced,    // something hangs on it: a thing, a change by hand, where the walk or its part
+                  // begins
 };
 [[nodiscard]] std::string_view to_string(CullingVerdict verdict);
 

@@ -180,7 +180,7 @@ TEST_F(Culling, WhatSomethingHangsOnStays) {
   place.box_keyframe.size_m = {0.5, 0.5, 0.5};
   note.places = {place};
   ASSERT_OK(home.add_edit(note));
-  EXPECT_EQ(judge(home, 2).at(redundant[1]), CullingVerdict::kHeld);
+  EXPECT_EQ(judge(home, 2).at(redundant[1]), CullingVerdict::kReferenced);
   EXPECT_ERROR(cull_keyframes(home, redundant, settings_), "something hangs on it");
   ASSERT_OK(cull_keyframes(home, {redundant[0], redundant[2]}, settings_));
   const auto edits = home.edits().value();

@@ -110,7 +110,7 @@ class ThingFollower {
       judge(followed_[standing[at]], changes.before[at], now, look);
     }
     std::vector<PlacedInstance> arrived;
-    for (const objects::AddedInstance& one : changes.arrived)
+    for (const objects::ArrivedInstance& one : changes.arrived)
       arrived.push_back(now.placed[one.now]);
     const std::size_t first_of_walk = seen_.size();
     add_seen(walk, std::move(own));

@@ -66,7 +66,7 @@ class VisitComparison {
     update.damage = frames.damage;
     if (frames.rooms) update.changes.pictures = frames.rooms->pictures;
     report_known(changes, frames, update);
-    for (const objects::AddedInstance& arrival : changes.arrived) {
+    for (const objects::ArrivedInstance& arrival : changes.arrived) {
       ThingUpdate thing;
       thing.is_new = true;
       thing.evidence_now = arrival.evidence;

@@ -104,18 +104,19 @@ Eigen::VectorXd likelihood_of_objects(std::span<const objects::ObjectScore> obje
                                       const Concepts& concepts, std::span<const Room> rooms,
                                       const RoomObjects& learned) {
   const auto count = static_cast<Eigen::Index>(rooms.size());
-  // The network's word is true with the probability that it gives it, less what it is not trusted;
-  // then the rooms are as probable as the object's shares. Else it says nothing.
+  // A mixture: sum_i t_i n s_i + (1 - sum_i t_i). With the probability t_i that the network gives
+  // object i, less what it is not trusted, the n rooms are as probable as the object's shares s_i;
+  // else it says nothing.
   Eigen::VectorXd likelihood = Eigen::VectorXd::Zero(count);
-  double said = 0;
+  double trusted_in_all = 0;
   for (const objects::ObjectScore& observation : objects) {
     const Eigen::VectorXd shares = shares_of(observation.object, concepts, rooms, learned);
     if (shares.isZero()) continue;
-    const double trusted = std::min(kTrustInObjects * observation.score, 1 - said);
-    said += trusted;
+    const double trusted = std::min(kTrustInObjects * observation.score, 1 - trusted_in_all);
+    trusted_in_all += trusted;
     likelihood += trusted * static_cast<double>(count) * shares;
   }
-  return likelihood.array() + (1 - said);
+  return likelihood.array() + (1 - trusted_in_all);
 }
 
 RoomDecision decide(const PictureEvidence& evidence, std::span<const std::string> names,
@@ -123,12 +124,13 @@ RoomDecision decide(const PictureEvidence& evidence, std::span<const std::string
   RoomDecision decision;
   decision.rooms = best_first(evidence.probabilities, names);
   decision.familiarity = evidence.familiarity;
-  const double home = probability_of(evidence.familiarity);
-  const double best = home * decision.rooms.front().score;
-  const double best_two = decision.rooms.size() < 2 ? best : best + home * decision.rooms[1].score;
+  const double p_known = probability_of(evidence.familiarity);
+  const double best = p_known * decision.rooms.front().score;
+  const double best_two =
+      decision.rooms.size() < 2 ? best : best + p_known * decision.rooms[1].score;
   if (evidence.familiarity < model.reject_log_odds) {
     decision.verdict = Verdict::kNoneOfThem;
-    decision.why = fmt::format("nothing that was learned looks like this ({:.2f})", home);
+    decision.why = fmt::format("nothing that was learned looks like this ({:.2f})", p_known);
   } else if (best >= model.min_probability) {
     decision.verdict = Verdict::kRoom;
     decision.why = fmt::format("it looks like {} ({:.2f})", decision.rooms.front().room, best);
@@ -138,7 +140,7 @@ RoomDecision decide(const PictureEvidence& evidence, std::span<const std::string
   } else {
     decision.why = fmt::format(
         "it could be {}, and looks like what was learned by {:.2f}; a room is named from {:.2f} on",
-        candidates(decision.rooms), home, model.min_probability);
+        candidates(decision.rooms), p_known, model.min_probability);
   }
   return decision;
 }
