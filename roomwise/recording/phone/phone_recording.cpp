@@ -1,11 +1,13 @@
 #include "roomwise/recording/phone/phone_recording.h"
 
 #include <algorithm>
+#include <array>
 
 #include "roomwise/image/codec.h"
 #include "roomwise/recording/personal_files.h"
 #include "roomwise/recording/phone/longest_rise.h"
 #include "roomwise/recording/phone/one_camera.h"
+#include "roomwise/recording/phone/quarter_turn.h"
 
 namespace roomwise::recording {
 namespace {
@@ -81,6 +83,24 @@ void note_depth(RecordingContents& contents) {
                                        without, contents.pictures.size()));
 }
 
+// How far pictures are turned to stand upright. Camera and poses of `contents` become those of the
+// turned pictures.
+int turn_upright(const std::optional<Eigen::Vector3d>& device_up, RecordingContents& contents) {
+  if (!device_up) return 0;
+  const int turns = upright_turns(contents.device_poses, *device_up).value_or(0);
+  if (turns == 0) return 0;
+  contents.info.camera = turned(contents.info.camera, turns);
+  const auto camera_from_turned = turned_from_camera(turns).inverse();
+  for (StampedPose& pose : contents.device_poses) {
+    pose.world_from_camera = pose.world_from_camera * camera_from_turned;
+  }
+  constexpr std::array<std::string_view, 4> kHow{"", "by a quarter to the right", "upside down",
+                                                 "by a quarter to the left"};
+  contents.notes.push_back(fmt::format("the phone was not held level: its pictures are turned {}",
+                                       kHow.at(static_cast<std::size_t>(turns))));
+  return turns;
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<Recording>> PhoneRecording::open(PhoneListing listing,
@@ -99,19 +119,22 @@ Expected<std::unique_ptr<Recording>> PhoneRecording::open(PhoneListing listing,
   }
   std::vector<PinholeCamera> cameras;
   for (const PhonePicture& picture : listing.pictures) cameras.push_back(picture.camera);
-  contents.info.camera = common_camera(cameras, kMaxSide_px);
+  const PinholeCamera common = common_camera(cameras, kMaxSide_px);
+  contents.info.camera = common;
+  contents.notes = std::move(listing.notes);
+  contents.device_poses = std::move(listing.device_poses);
+  const int turns = turn_upright(listing.device_up, contents);
   if (options.camera && *options.camera != contents.info.camera) {
     return fail("{}: says itself which camera took it; leave the other camera out", listing.name);
   }
   contents.info.left_out = listing.left_out;
   contents.info.left_out |= facts_of_pictures(listing);
   contents.damaged = listing.damaged;
-  contents.notes = std::move(listing.notes);
   note_depth(contents);
-  contents.device_poses = std::move(listing.device_poses);
   contents.poses_are_motion = listing.poses_are_motion;
   contents.device_up = listing.device_up;
-  return std::unique_ptr<Recording>(new PhoneRecording(std::move(contents), std::move(listing)));
+  return std::unique_ptr<Recording>(
+      new PhoneRecording(std::move(contents), std::move(listing), common, turns));
 }
 
 const PhonePicture& PhoneRecording::original(const RecordedPicture& picture) const {
@@ -119,7 +142,7 @@ const PhonePicture& PhoneRecording::original(const RecordedPicture& picture) con
 }
 
 PinholeCamera PhoneRecording::original_camera(const RecordedPicture& picture) const {
-  return original(picture).camera;
+  return turned(original(picture).camera, turns_);
 }
 
 std::string PhoneRecording::describe(const RecordedPicture& picture) const {
@@ -133,7 +156,7 @@ Expected<Bytes> PhoneRecording::read_encoded(const PhonePicture& picture) const 
     return fail("{}: has {}x{} pixels, the recording's first picture {}x{}", picture.color.string(),
                 color.width(), color.height(), picture.camera.width, picture.camera.height);
   }
-  return image::encode_jpeg(as_seen_by(color, picture.camera, info().camera),
+  return image::encode_jpeg(turned(as_seen_by(color, picture.camera, common_camera_), turns_),
                             kResampledJpegQuality);
 }
 
@@ -146,7 +169,7 @@ Expected<image::DepthImage> PhoneRecording::read_depth(const PhonePicture& pictu
     return fail("{}: has {}x{} pixels, expected {}x{}", picture.depth.string(), depth.width(),
                 depth.height(), from.width, from.height);
   }
-  return as_seen_by(depth, from, info().camera);
+  return turned(as_seen_by(depth, from, common_camera_), turns_);
 }
 
 Expected<image::ColorImage> PhoneRecording::read_picture(const RecordedPicture& picture) const {

@@ -41,8 +41,9 @@ struct PhoneListing {
 
 // A recording of a phone: pictures, each with a camera of its own, and smaller depth images, as
 // files. Its frames are as if one camera had taken them all (one_camera.h), with at most 640 px a
-// side; depth is in mm. All depth counts, whatever confidence the phone has in it: without that of
-// the lowest, which is the far end of a corridor, maps get worse.
+// side, turned upright where the poses know where up is (quarter_turn.h); depth is in mm. All depth
+// counts, whatever confidence the phone has in it: without that of the lowest, which is the far end
+// of a corridor, maps get worse.
 class PhoneRecording final : public Recording {
  public:
   // Fails where there is no picture with depth, where no picture can be read and where `options`
@@ -55,8 +56,12 @@ class PhoneRecording final : public Recording {
   [[nodiscard]] std::string describe(const RecordedPicture& picture) const override;
 
  private:
-  PhoneRecording(RecordingContents contents, PhoneListing listing)
-      : Recording(std::move(contents)), listing_(std::move(listing)) {}
+  PhoneRecording(RecordingContents contents, PhoneListing listing,
+                 const geometry::PinholeCamera& common_camera, int turns)
+      : Recording(std::move(contents)),
+        listing_(std::move(listing)),
+        common_camera_(common_camera),
+        turns_(turns) {}
   [[nodiscard]] const PhonePicture& original(const RecordedPicture& picture) const;
   [[nodiscard]] Expected<Bytes> read_encoded(const PhonePicture& picture) const;
   [[nodiscard]] Expected<image::DepthImage> read_depth(const PhonePicture& picture) const;
@@ -67,6 +72,8 @@ class PhoneRecording final : public Recording {
   [[nodiscard]] Expected<Bytes> read_picture_file(const RecordedPicture& picture) const override;
 
   PhoneListing listing_;
+  geometry::PinholeCamera common_camera_;  // before pictures are turned
+  int turns_;                              // of each, to the right (quarter_turn.h)
 };
 
 }  // namespace roomwise::recording

@@ -86,6 +86,48 @@ TEST_F(ScannerAppFolder, GivesThePosesOfAllFramesInOurAxes) {
       1e-12);
 }
 
+// The phone is held upright, its sensor's left side above: columns of a picture are rows of the
+// room.
+TEST_F(ScannerAppFolder, TurnsPicturesUprightByThePoses) {
+  for (int i = 0; i < 6; ++i) {
+    json frame = frame_json(i);
+    frame["cameraPoseARFrame"] = {0, 1, 0, 0.5 * i, -1, 0, 0, 1.5, 0, 0, 1, 0, 0, 0, 0, 1};
+    write(i, "frame_{:05}.json", frame.dump());
+  }
+  image::ColorImage color(kWidth_px, kHeight_px, {200, 200, 200});
+  image::DepthImage depth(16, 12, 2000);
+  for (int y = 0; y < kHeight_px; ++y) {
+    for (int x = 0; x < kWidth_px / 2; ++x) color.at(x, y) = {20, 20, 20};
+  }
+  for (int y = 0; y < 12; ++y) {
+    for (int x = 0; x < 8; ++x) depth.at(x, y) = 1000;
+  }
+  write(3, "frame_{:05}.jpg", image::encode_jpeg(color, 95));
+  write(3, "depth_{:05}.png", image::encode_png(depth));
+
+  const auto recording = open();
+  ASSERT_OK(recording);
+  const geometry::PinholeCamera& camera = (*recording)->info().camera;
+  EXPECT_EQ(camera.width, kHeight_px);
+  EXPECT_EQ(camera.height, kWidth_px);
+  EXPECT_EQ((*recording)->original_camera((*recording)->pictures()[1]).width, kHeight_px);
+  const image::RgbdFrame frame = *(*recording)->frame(3).value();
+  EXPECT_NEAR(frame.color.at(24, 8).r, 20, 2) << "what was at the left is above";
+  EXPECT_NEAR(frame.color.at(24, 56).r, 200, 2);
+  EXPECT_EQ(frame.depth.at(24, 8), 1000);
+  EXPECT_EQ(frame.depth.at(24, 56), 2000);
+  EXPECT_EQ(image::decode_color(frame.encoded_color).value(), frame.color);
+  EXPECT_EQ((*recording)->read_color(3).value(), frame.color);
+  ASSERT_TRUE(frame.device_motion);
+  EXPECT_LT((*frame.device_motion->up_camera + Eigen::Vector3d::UnitY()).norm(), 1e-12)
+      << "up is above in the picture";
+  EXPECT_LT(
+      (frame.device_motion->world_from_camera.translation - Eigen::Vector3d(1.5, 1.5, 0)).norm(),
+      1e-12);
+  EXPECT_THAT((*recording)->notes(),
+              ::testing::ElementsAre(::testing::HasSubstr("turned by a quarter to the right")));
+}
+
 TEST_F(ScannerAppFolder, TakesAPictureWithoutDepthAsNoFrame) {
   std::filesystem::remove(file(3, "depth_{:05}.png"));
   const auto recording = open();

@@ -6,6 +6,7 @@
 #include "roomwise/base/file.h"
 #include "roomwise/base/in_context.h"
 #include "roomwise/recording/data_lines.h"
+#include "roomwise/recording/phone/json_file.h"
 #include "roomwise/recording/phone/longest_rise.h"
 #include "roomwise/recording/phone/numbered_files.h"
 #include "roomwise/recording/phone/phone_recording.h"
@@ -240,6 +241,7 @@ Expected<std::unique_ptr<Recording>> open_stray_scanner_folder(const fs::path& f
   const std::shared_ptr<VideoFile> video = std::move(opened);
   PhoneListing listing{"Stray Scanner", recording_name(folder), {}, {}};
   listing.poses_are_motion = true;  // ARKit's
+  listing.device_up = kArkitUp;
   listing.left_out = video->personal_facts();
   note_end(table, *video, listing);
   std::uint64_t next = 0;

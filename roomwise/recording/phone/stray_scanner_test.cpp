@@ -86,7 +86,7 @@ class StrayScannerFolder : public ::testing::Test {
   static std::string odometry(const std::string& header, const std::string& more) {
     std::string table = header + "\r\n";
     for (int i = 0; i < kStrayFrames; ++i) {
-      table += fmt::format("{:.3f}, {:06}, {:.2f}, 0, 1.5, 0, 1, 0, 0{}\r\n", 7 + 0.017 * i, i,
+      table += fmt::format("{:.3f}, {:06}, {:.2f}, 0, 1.5, 1, 0, 0, 0{}\r\n", 7 + 0.017 * i, i,
                            0.1 * i, more);
     }
     return table;
@@ -121,6 +121,9 @@ TEST_F(StrayScannerFolder, TakesPosesAsTheyAre) {
   const auto& pose = poses[5].world_from_camera;
   EXPECT_LT((pose.translation - Eigen::Vector3d(0.5, 0, 1.5)).norm(), 1e-9);
   EXPECT_LT((pose.rotation * Eigen::Vector3d::UnitZ() + Eigen::Vector3d::UnitZ()).norm(), 1e-9);
+  const auto motion = open().value()->frame(5).value()->device_motion;
+  ASSERT_TRUE(motion && motion->up_camera);
+  EXPECT_LT((*motion->up_camera + Eigen::Vector3d::UnitY()).norm(), 1e-9) << "y of its world is up";
 }
 
 TEST_F(StrayScannerFolder, ReadsTheCamerasOfNewerTablesByTheirHeader) {
