@@ -47,6 +47,17 @@ double placed_share(const TrialSummary& summary) {
   return static_cast<double>(summary.placed) / static_cast<double>(summary.pictures);
 }
 
+Json contacts_of(const GuidedWalk& walk) {
+  Json json = Json::array();
+  for (const trials::Contact& contact : walk.contacts) {
+    json.push_back({{"at_s", contact.at_s},
+                    {"thing", contact.thing},
+                    {"prompt", contact.prompt ? Json(walk.heard[*contact.prompt].text) : Json()},
+                    {"by_prompt", contact.is_by_prompt}});
+  }
+  return json;
+}
+
 Json to_json(const GuidedWalk& walk) {
   return {{"goal", walk.goal.goal.noun.name},
           {"kind", trials::to_string(walk.goal.goal.kind)},
@@ -62,7 +73,9 @@ Json to_json(const GuidedWalk& walk) {
           {"shortest_m", walk.goal.shortest_m},
           {"walked_m", walk.walked_m},
           {"seconds", walk.seconds},
-          {"contacts", walk.contacts},
+          {"contacts", walk.contacts.size()},
+          {"contacts_by_prompt", walk.contacts_by_prompt()},
+          {"each_contact", contacts_of(walk)},
           {"prompts", walk.heard.size()},
           {"late", walk.late()},
           {"wrong", walk.wrong()},
@@ -95,6 +108,8 @@ Json to_json(const TrialSummary& summary) {
           {"seconds", summary.mean_s},
           {"walked_m", summary.walked_m},
           {"contacts_per_walk", summary.contacts_per_walk},
+          {"contacts", summary.contacts},
+          {"contacts_by_prompt", summary.contacts_by_prompt},
           {"prompts_per_m", summary.prompts_per_m},
           {"prompts", summary.prompts},
           {"late", summary.late},
@@ -151,7 +166,7 @@ std::string text_of(const TrialSummary& summary, const char* what) {
       "known           {} of the {} goals that the guide knows were arrived at; {} it does not "
       "know\n"
       "path            {:.2f} of the shortest, standard deviation {:.2f}; {:.0f} s\n"
-      "contacts        {:.2f} a walk\n"
+      "contacts        {:.2f} a walk; {} of {} by prompts\n"
       "prompts         {:.2f} a metre; of {} {} late, {} wrong, {} never begun\n"
       "off the way     {:.2f} a walk; lost {:.2f} a walk\n"
       "places          {:.2f} of {} pictures; off by {:.2f} m (median), {:.2f} m (95 %), a metre "
@@ -161,8 +176,9 @@ std::string text_of(const TrialSummary& summary, const char* what) {
       summary.arrived, summary.goals, summary.spl, summary.says_there_wrongly, kinds,
       summary.arrived, summary.offered, summary.goals - summary.offered, summary.path_ratio,
       summary.path_ratio_deviation, summary.mean_s, summary.contacts_per_walk,
-      summary.prompts_per_m, summary.prompts, summary.late, summary.wrong, summary.expired,
-      summary.deviations_per_walk, summary.lost_per_walk, placed_share(summary), summary.pictures,
+      summary.contacts_by_prompt, summary.contacts, summary.prompts_per_m, summary.prompts,
+      summary.late, summary.wrong, summary.expired, summary.deviations_per_walk,
+      summary.lost_per_walk, placed_share(summary), summary.pictures,
       summary.median_position_error_m, summary.p95_position_error_m, summary.beyond_1m, what);
 }
 

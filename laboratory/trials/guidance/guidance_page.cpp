@@ -1,6 +1,6 @@
 #include "laboratory/trials/guidance/guidance_page.h"
 
-#include <array>
+#include <limits>
 
 #include "laboratory/simulation/home/home_geometry.h"
 #include "roomwise/evaluation/report_page.h"
@@ -84,6 +84,31 @@ std::string outcome_of(const GuidedWalk& walk) {
   return walk.has_ended ? "not led there, and told so" : "gave up";
 }
 
+// What was heard and touched, in the order of time.
+std::vector<std::vector<std::string>> rows_of(const GuidedWalk& walk) {
+  std::vector<std::vector<std::string>> rows;
+  auto contact = walk.contacts.begin();
+  const auto add_contacts_until = [&](double end_s) {
+    for (; contact != walk.contacts.end() && contact->at_s < end_s; ++contact) {
+      rows.push_back({"contact", fmt::format("Touched: {}", contact->thing),
+                      contact->is_by_prompt ? fmt::format("by prompt {}", *contact->prompt + 1)
+                                            : "the walker's own",
+                      fmt::format("{:.1f}", contact->at_s)});
+    }
+  };
+  for (std::size_t i = 0; i < walk.heard.size(); ++i) {
+    const HeardPrompt& heard = walk.heard[i];
+    add_contacts_until(heard.at_s);
+    rows.push_back({fmt::format("{}", i + 1), heard.text,
+                    heard.is_wrong  ? "wrong"
+                    : heard.is_late ? "late"
+                                    : "",
+                    fmt::format("{:.1f}", heard.at_s)});
+  }
+  add_contacts_until(std::numeric_limits<double>::infinity());
+  return rows;
+}
+
 }  // namespace
 
 std::string guidance_page(const WalkedHome& home, std::span<const GuidedWalk> walks,
@@ -95,25 +120,16 @@ std::string guidance_page(const WalkedHome& home, std::span<const GuidedWalk> wa
         fmt::format("Walk {}: to {}, {}", i + 1, walk.goal.goal.noun.name, outcome_of(walk));
     HomeDrawing drawing(home, name);
     drawing.draw(walk);
-    std::vector<std::vector<std::string>> rows;
-    for (std::size_t j = 0; j < walk.heard.size(); ++j) {
-      const HeardPrompt& heard = walk.heard[j];
-      rows.push_back({fmt::format("{}", j + 1), heard.text,
-                      heard.is_wrong  ? "wrong"
-                      : heard.is_late ? "late"
-                                      : "",
-                      fmt::format("{:.1f}", heard.at_s)});
-    }
     body += fmt::format(
         "<h2>{}</h2>\n<p>{:.1f} m walked, {:.1f} m the shortest way; {:.0f} s; {} "
-        "contacts.</p>\n",
+        "contacts, {} of them by prompts.</p>\n",
         evaluation::escape_markup(name), walk.walked_m, walk.goal.shortest_m, walk.seconds,
-        walk.contacts);
+        walk.contacts.size(), walk.contacts_by_prompt());
     body += evaluation::scrolling(name, drawing.element(), "map");
     body += evaluation::scrolling(
         "what was heard on walk " + std::to_string(i + 1),
         evaluation::report_table(fmt::format("What was heard on walk {}", i + 1),
-                                 {"", "prompt", "fault", "s"}, rows, 3));
+                                 {"", "prompt", "fault", "s"}, rows_of(walk), 3));
   }
   return evaluation::report_page(title, {note}, body);
 }

@@ -80,6 +80,7 @@ class Walk {
         wording_{&catalogue(), options.style},
         walker_(home, goal.start, goal.start_heading_rad, options.faults,
                 seed_of_walk(options, walk)),
+        judge_(home),
         walk_(walk) {
     record_.goal = goal;
   }
@@ -93,7 +94,7 @@ class Walk {
       return true;
     };
     for (double now_s = 0; now_s < options_.max_s; now_s += kWalkerStep_s) {
-      walker_.step(kWalkerStep_s);
+      step(now_s);
       bool is_led = say(leader.after_step(now_s, walker_), now_s);
       if (now_s >= note_s) {
         note_s = now_s + kNote_s;
@@ -105,12 +106,15 @@ class Walk {
       }
       if (!is_led) break;
       const Voice::Events events = voice_.step(now_s);
+      if (events.ended) {
+        walker_.hear(understand(*events.ended, wording_));
+        judge_.hear(walker_, record_.heard.size() - 1);
+      }
       if (events.begun) {
         // What stands ahead is told again and again to who stands before it, and leads nowhere.
         if (events.begun->priority != guide::Priority::kHazard) said_s = now_s;
         begin(events, now_s, leader.next_place(walker_));
       }
-      if (events.ended) walker_.hear(understand(*events.ended, wording_));
       if (leader.is_over() && voice_.is_silent() && now_s - said_s > 6) {
         record_.has_ended = true;
         break;
@@ -132,7 +136,7 @@ class Walk {
     double free_s = 0, note_s = 0;
     std::vector<Instruction> legs;
     for (double now_s = 0; record_.is_offered && now_s < options_.max_s; now_s += kWalkerStep_s) {
-      walker_.step(kWalkerStep_s);
+      step(now_s);
       sight.look(now_s, walker_);
       if (now_s >= note_s) {
         note_s = now_s + kNote_s;
@@ -149,6 +153,7 @@ class Walk {
       if (!voice_.is_silent() || walker_.idle_s() < 0.5 || now_s < free_s) continue;
       if (!legs.empty()) {
         walker_.hear_list(std::exchange(legs, {}));
+        judge_.hear(walker_, record_.heard.size() - 1);
         free_s = now_s + 1;
         continue;
       }
@@ -167,6 +172,11 @@ class Walk {
   }
 
  private:
+  void step(double now_s) {
+    walker_.step(kWalkerStep_s);
+    judge_.step(now_s, walker_);
+  }
+
   [[nodiscard]] std::vector<Prompt> list(const GuidedMap& map, const guide::Pose& pose,
                                          double now_s) const {
     const guide::Goal& goal = record_.goal.goal;
@@ -205,7 +215,7 @@ class Walk {
     record_.walked_m = walker_.walked_m();
     record_.seconds =
         record_.heard.empty() ? 0 : static_cast<double>(record_.path.size()) * kNote_s;
-    record_.contacts = walker_.contacts();
+    record_.contacts = judge_.finish();
     record_.expired = voice_.take_expired();
     record_.is_there = is_there(home_.model, record_.goal, walker_.place(), options_.goals);
     if (record_.goal.outline) {
@@ -219,6 +229,7 @@ class Walk {
   const TrialOptions& options_;
   guide::Wording wording_;
   SimulatedWalker walker_;
+  ContactJudge judge_;
   std::uint64_t walk_;
   Voice voice_;
   GuidedWalk record_;
@@ -276,6 +287,9 @@ int GuidedWalk::late() const {
 int GuidedWalk::wrong() const {
   return static_cast<int>(std::ranges::count_if(heard, &HeardPrompt::is_wrong));
 }
+int GuidedWalk::contacts_by_prompt() const {
+  return static_cast<int>(std::ranges::count_if(contacts, &Contact::is_by_prompt));
+}
 
 GuidedWalk lead(const GuidedMap& map, const WalkedHome& home, const GuidedGoal& goal,
                 const TrialOptions& options, std::uint64_t walk) {
@@ -298,7 +312,7 @@ TrialSummary summarise(std::span<const GuidedWalk> walks) {
   summary.goals = walks.size();
   std::vector<double> ratios, to_goal_m, position_errors_m, heading_errors_rad;
   double seconds = 0;
-  int contacts = 0, deviations = 0, lost = 0;
+  int deviations = 0, lost = 0;
   for (const GuidedWalk& walk : walks) {
     summary.offered += walk.is_offered ? 1 : 0;
     KindSummary& of_kind = summary.by_kind[std::string(to_string(walk.goal.goal.kind))];
@@ -312,7 +326,8 @@ TrialSummary summarise(std::span<const GuidedWalk> walks) {
     summary.late += static_cast<std::size_t>(walk.late());
     summary.wrong += static_cast<std::size_t>(walk.wrong());
     summary.expired += static_cast<std::size_t>(walk.expired);
-    contacts += walk.contacts;
+    summary.contacts += walk.contacts.size();
+    summary.contacts_by_prompt += static_cast<std::size_t>(walk.contacts_by_prompt());
     deviations += walk.deviations;
     lost += walk.lost;
     summary.broken_off += walk.broken_off ? 1 : 0;
@@ -336,7 +351,7 @@ TrialSummary summarise(std::span<const GuidedWalk> walks) {
     summary.path_ratio_deviation += std::pow(ratio - summary.path_ratio, 2) / arrived;
   }
   summary.path_ratio_deviation = std::sqrt(summary.path_ratio_deviation);
-  summary.contacts_per_walk = contacts / count;
+  summary.contacts_per_walk = static_cast<double>(summary.contacts) / count;
   summary.deviations_per_walk = deviations / count;
   summary.lost_per_walk = lost / count;
   if (summary.walked_m > 0) {

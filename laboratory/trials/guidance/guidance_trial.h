@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "laboratory/trials/guidance/contact_judge.h"
 #include "laboratory/trials/guidance/guided_home.h"
 #include "laboratory/trials/guidance/leader.h"
 #include "laboratory/trials/guidance/modelled_position.h"
@@ -56,8 +57,8 @@ struct GuidedWalk {
   bool is_there = false;  // in truth, at the end
   double walked_m = 0;
   double seconds = 0;
-  int contacts = 0;    // of the body with things and walls
-  int deviations = 0;  // off the way
+  std::vector<Contact> contacts;  // of the body with things and walls
+  int deviations = 0;             // off the way
   int lost = 0;
   int expired = 0;               // prompts that came too late to be begun
   int repeats = 0, blocked = 0;  // asked for by the person
@@ -71,6 +72,7 @@ struct GuidedWalk {
   [[nodiscard]] bool arrived() const { return says_there && is_there; }
   [[nodiscard]] int late() const;
   [[nodiscard]] int wrong() const;
+  [[nodiscard]] int contacts_by_prompt() const;
 };
 
 [[nodiscard]] GuidedWalk lead(const GuidedMap& map, const WalkedHome& home, const GuidedGoal& goal,
@@ -97,6 +99,7 @@ struct TrialSummary {
   double mean_s = 0;  // of those who arrived
   double walked_m = 0;
   double contacts_per_walk = 0, prompts_per_m = 0;
+  std::size_t contacts = 0, contacts_by_prompt = 0;
   std::size_t prompts = 0, late = 0, wrong = 0, expired = 0;
   double deviations_per_walk = 0, lost_per_walk = 0;
   double median_to_goal_m = 0;                          // of things that were reached

@@ -14,6 +14,7 @@ namespace {
 
 using Kind = Instruction::Kind;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 // Hall and study, with a box in the study (test_homes.h).
 simulation::HomeModel two_rooms() {
@@ -150,7 +151,163 @@ TEST_F(GuidanceTrialTest, TheCaneFindsWhatIsInTheWayAndTheWalkerGoesAroundIt) {
   walker.hear({Kind::kWalk, 0, 2.8});
   for (int i = 0; i < 400; ++i) walker.step(0.05);
   EXPECT_GT(walker.walked_m(), 1.5);
-  EXPECT_EQ(walker.contacts(), 0);
+  EXPECT_THAT(walker.contacts(), IsEmpty());
+}
+
+// ---- whose fault it is that something is touched ----
+
+// A table without legs, over which no cane comes.
+simulation::PlacedObject table_top(const std::string& name, const Eigen::Vector2d& middle,
+                                   const Eigen::Vector2d& size_m) {
+  simulation::PlacedObject table = simulation::box_object({middle.x(), middle.y(), 0.75});
+  table.name = name;
+  table.size_m << size_m, 0.05;
+  return table;
+}
+
+// Says what it is told to say, when it is told to.
+class ScriptedLeader final : public Leader {
+ public:
+  struct Word {
+    double at_s;
+    std::string message;
+    guide::Values values = {};
+  };
+  explicit ScriptedLeader(std::vector<Word> words) : words_(std::move(words)) {}
+
+  [[nodiscard]] Expected<std::vector<guide::Prompt>> after_step(double now_s,
+                                                                const SimulatedWalker&) override {
+    std::vector<guide::Prompt> prompts;
+    for (; said_ < words_.size() && words_[said_].at_s <= now_s; ++said_) {
+      prompts.push_back(make_prompt(wording_, "guide", words_[said_].message, words_[said_].values,
+                                    guide::Confidence::kSure, trial_ns(now_s + 2)));
+    }
+    return prompts;
+  }
+  [[nodiscard]] Expected<std::vector<guide::Prompt>> request(guide::GuidanceRequest,
+                                                             double) override {
+    return std::vector<guide::Prompt>();
+  }
+  [[nodiscard]] bool knows_goal() const override { return true; }
+  [[nodiscard]] bool is_over() const override { return said_ == words_.size(); }
+  [[nodiscard]] bool says_there() const override { return false; }
+  [[nodiscard]] std::optional<Eigen::Vector2d> next_place(const SimulatedWalker&) const override {
+    return std::nullopt;
+  }
+  [[nodiscard]] const Sightings& sightings() const override { return sightings_; }
+
+ private:
+  std::vector<Word> words_;
+  std::size_t said_ = 0;
+  guide::MessageCatalogue catalogue_ = guide::MessageCatalogue::built_in();
+  guide::Wording wording_{&catalogue_, {}};
+  Sightings sightings_;
+};
+
+class ContactTest : public ::testing::Test {
+ protected:
+  // From the left wall's middle, facing the tables.
+  [[nodiscard]] GuidedWalk walk(std::vector<ScriptedLeader::Word> words) const {
+    ScriptedLeader leader(std::move(words));
+    GuidedGoal goal;
+    goal.room = 0;
+    goal.start = {0.5, 2};
+    goal.shortest_m = 3;
+    return lead_by(leader, home_, goal, options_, 0);
+  }
+  void put(const simulation::PlacedObject& table) {
+    model_.objects.push_back(table);
+    home_ = WalkedHome(model_);
+  }
+
+  simulation::HomeModel model_ = simulation::square_rooms(1);
+  WalkedHome home_{model_};
+  TrialOptions options_{.max_s = 30};
+};
+
+TEST_F(ContactTest, APromptCausedWhatItLeadsStraightInto) {
+  put(table_top("table", {2.5, 2}, {1, 2}));
+  const GuidedWalk led = walk({{0, "guide.walk", {{"distance", "4 steps"}}}});
+  ASSERT_EQ(led.contacts.size(), 1u);
+  EXPECT_EQ(led.contacts[0].thing, "table");
+  EXPECT_EQ(led.contacts[0].prompt, 0u);
+  EXPECT_TRUE(led.contacts[0].is_by_prompt);
+  EXPECT_LT(led.contacts[0].place.x(), 2);
+  EXPECT_EQ(summarise(std::span(&led, 1)).contacts_by_prompt, 1u);
+  const std::string page = guidance_page(home_, std::span(&led, 1), "Walks", "scripted");
+  EXPECT_THAT(page, HasSubstr("1 contacts, 1 of them by prompts"));
+  EXPECT_THAT(page, HasSubstr("Touched: table"));
+  EXPECT_THAT(page, HasSubstr("by prompt 1"));
+}
+
+TEST_F(ContactTest, WhoVeersIntoWhatTheyWereLedPastDidItThemselves) {
+  put(table_top("left table", {2.5, 3}, {2, 1.2}));
+  put(table_top("right table", {2.5, 1}, {2, 1.2}));
+  const std::vector<ScriptedLeader::Word> words{{0, "guide.walk", {{"distance", "4 steps"}}}};
+  options_.faults = {.veer_degrees_per_m = 30, .wrong_share = 0};
+  const GuidedWalk led = walk(words);
+  ASSERT_EQ(led.contacts.size(), 1u);
+  EXPECT_THAT(led.contacts[0].thing, HasSubstr(" table"));
+  EXPECT_EQ(led.contacts[0].prompt, 0u);
+  EXPECT_FALSE(led.contacts[0].is_by_prompt);
+  EXPECT_EQ(summarise(std::span(&led, 1)).contacts_by_prompt, 0u);
+  EXPECT_THAT(guidance_page(home_, std::span(&led, 1), "Walks", "scripted"),
+              HasSubstr("the walker&#39;s own"));
+  options_.faults.scale = 0;
+  EXPECT_THAT(walk(words).contacts, IsEmpty());
+}
+
+// With steps as they are counted they would stand before it.
+TEST_F(ContactTest, WhoWalksFartherThanTheyWereToldDidItThemselves) {
+  put(table_top("table", {2.1, 2}, {1, 2}));
+  options_.faults = {.step_share = 0.8, .wrong_share = 0};
+  const std::vector<ScriptedLeader::Word> words{{0, "guide.walk", {{"distance", "1 step"}}}};
+  for (options_.seed = 0; walk(words).contacts.empty() && options_.seed < 50;) ++options_.seed;
+  const GuidedWalk led = walk(words);
+  ASSERT_EQ(led.contacts.size(), 1u);
+  EXPECT_FALSE(led.contacts[0].is_by_prompt);
+}
+
+// What was heard before the contact, and not yet done, did not lead there, nor help.
+TEST_F(ContactTest, ItCountsWhatIsDoneAndNotWhatWasJustHeard) {
+  put(table_top("table", {2.5, 2}, {1, 2}));
+  options_.faults = {.scale = 0, .min_reaction_s = 1.5, .max_reaction_s = 1.5};
+  const std::vector<ScriptedLeader::Word> walk_on{{0, "guide.walk", {{"distance", "4 steps"}}}};
+  const double touched_s = walk(walk_on).contacts.at(0).at_s;
+  auto words = walk_on;
+  words.push_back({touched_s - 1.5, "guide.stop"});
+  const GuidedWalk led = walk(words);
+  ASSERT_EQ(led.contacts.size(), 1u);
+  ASSERT_EQ(led.heard.size(), 2u);
+  EXPECT_EQ(led.contacts[0].prompt, 0u);
+  EXPECT_TRUE(led.contacts[0].is_by_prompt);
+}
+
+TEST_F(ContactTest, AListIsDoneExactlyAsAWhole) {
+  put(table_top("table", {3, 3.2}, {2, 0.6}));
+  WalkerFaults exact{.scale = 0};
+  SimulatedWalker walker(home_, {0.5, 2}, 0, exact, 1);
+  ContactJudge judge(home_);
+  walker.hear_list(
+      {{Kind::kWalk, 0, 2}, {Kind::kTurn, std::numbers::pi / 2, 0}, {Kind::kWalk, 0, 1}});
+  judge.hear(walker, 3);
+  for (int i = 0; i < 300; ++i) {
+    walker.step(kWalkerStep_s);
+    judge.step(i * kWalkerStep_s, walker);
+  }
+  const std::vector<Contact> contacts = judge.finish();
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_EQ(contacts[0].prompt, 3u);
+  EXPECT_TRUE(contacts[0].is_by_prompt);
+}
+
+TEST_F(GuidanceTrialTest, WhatIsTouchedHasAName) {
+  EXPECT_EQ(home_.nearest_thing({6.6, 3.2}), "box");
+  EXPECT_EQ(home_.nearest_thing({4.06, 1.65}), "frame of the door between the hall and the study");
+  EXPECT_EQ(home_.nearest_thing({0.1, 1}), "left wall of the hall");
+  EXPECT_EQ(home_.nearest_thing({3.9, 0.5}), "right wall of the hall");
+  EXPECT_EQ(home_.nearest_thing({2, 0.1}), "lower wall of the hall");
+  EXPECT_EQ(home_.nearest_thing({6, 3.9}), "upper wall of the study");
 }
 
 TEST(WalkerFaultsTest, SayWhatIsWrong) {

@@ -63,6 +63,49 @@ FreeSpace space_up_to(const HomeModel& home, double height_m) {
           simulation::obstacles_of(home, simulation::kBodyFromHeight, height_m)};
 }
 
+std::string between_rooms(const HomeModel& home, const simulation::Door& door) {
+  return fmt::format("the door between the {} and the {}", home.rooms[door.room].name,
+                     home.rooms[*door.other_room].name);
+}
+
+// What covers a place of no floor.
+std::string thing_at(const HomeModel& home, const Vector2d& place, std::size_t from_room) {
+  const auto covers = [&](const Footprint& footprint) {
+    return footprint.top_m > simulation::kBodyFromHeight &&
+           footprint.bottom_m < simulation::kBodyToHeight &&
+           footprint.grown(FreeSpace::kCellSize / 2).contains(place);
+  };
+  for (const simulation::PlacedObject& object : home.objects) {
+    if (!covers(simulation::footprint_of(object))) continue;
+    const simulation::PlacedObject* lowest = &object;
+    while (lowest->stands_on) lowest = &home.objects[*lowest->stands_on];
+    return lowest->name;
+  }
+  for (const simulation::Window& window : home.windows) {
+    for (const Footprint& curtain : simulation::curtains_of(window, home.wall_thickness_m)) {
+      if (covers(curtain)) return fmt::format("curtain of the {}", home.rooms[window.room].name);
+    }
+  }
+  for (const simulation::Door& door : home.doors) {
+    if (!door.other_room) continue;
+    const auto leaf = simulation::leaf_of(door, home.wall_thickness_m);
+    if (leaf && covers(*leaf)) return "leaf of " + between_rooms(home, door);
+    const simulation::Rectangle hole = simulation::hole_of(door.opening, home.wall_thickness_m);
+    if (simulation::as_footprint(hole, 0, 0).distance_m(place) < FreeSpace::kCellSize) {
+      return "frame of " + between_rooms(home, door);
+    }
+  }
+  const simulation::Room& room = home.rooms[from_room];
+  const Vector2d below = room.interior.min - place, above = place - room.interior.max;
+  const double beyond_m = std::max(below.maxCoeff(), above.maxCoeff());
+  if (beyond_m < 0) return "stairs";  // nothing else is no floor within a room
+  const char* const side = beyond_m == below.x()   ? "left"
+                           : beyond_m == above.x() ? "right"
+                           : beyond_m == below.y() ? "lower"
+                                                   : "upper";
+  return fmt::format("{} wall of the {}", side, room.name);
+}
+
 // The shortest way from a place to where somebody is there; nothing where there is none.
 std::optional<double> shortest_way_m(const WalkedHome& home, const GuidedGoal& goal,
                                      const GoalOptions& options) {
@@ -281,6 +324,22 @@ WalkedHome::WalkedHome(const HomeModel& home)
       floor(grid_of(FreeSpace::of(home))),
       cane(grid_of(space_up_to(home, kCaneReachesUpTo_m))),
       storeys(true_storeys(home)) {}
+
+std::string WalkedHome::nearest_thing(const Vector2d& place) const {
+  constexpr double kReach_m = 0.4;
+  double nearest_m = kReach_m;
+  Vector2d nearest = place;
+  for (int row = 0; row < floor.rows(); ++row) {
+    for (int column = 0; column < floor.columns(); ++column) {
+      const Vector2d cell = floor.cell_middle_m(column, row);
+      const double distance_m = (cell - place).norm();
+      if (distance_m >= nearest_m || floor.at(column, row) == fusion::FloorCell::kFree) continue;
+      nearest_m = distance_m;
+      nearest = cell;
+    }
+  }
+  return thing_at(model, nearest, simulation::room_at(model, place));
+}
 
 Expected<GuidedMap> map_truth(const HomeModel& home,
                               std::span<const simulation::FurnitureModel> models,

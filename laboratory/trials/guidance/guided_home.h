@@ -41,6 +41,10 @@ struct WalkedHome {
   fusion::FloorGrid floor;  // of what a body runs into, between ankle and head
   fusion::FloorGrid cane;   // up to the hip: what hangs higher is not found
   fusion::Storeys storeys;  // as they truly are
+
+  // What a body would touch there first: a thing by its name, or "right wall of the kitchen", as a
+  // plan is drawn. Only of places near to something.
+  [[nodiscard]] std::string nearest_thing(const Eigen::Vector2d& place) const;
 };
 
 // Storeys and stairs of a home, which is planned as the map draws it: side by side.

@@ -72,11 +72,21 @@ void SimulatedWalker::hear(const Instruction& instruction) {
       faults_.min_reaction_s +
       faults_.scale * random_.uniform() * (faults_.max_reaction_s - faults_.min_reaction_s);
   list_.clear();
-  heard_.push_back({instruction, reaction_s});
+  heard_.push_back({instruction, ++times_told_, reaction_s});
 }
 
 void SimulatedWalker::hear_list(const std::vector<Instruction>& instructions) {
-  list_.insert(list_.end(), instructions.begin(), instructions.end());
+  ++times_told_;
+  for (const Instruction& instruction : instructions) list_.push_back({instruction, times_told_});
+}
+
+SimulatedWalker SimulatedWalker::without_faults() const {
+  SimulatedWalker exact = *this;
+  exact.faults_.scale = 0;
+  exact.veer_rad_per_m_ = 0;
+  exact.step_factor_ = 1;
+  exact.contacts_.clear();
+  return exact;
 }
 
 bool SimulatedWalker::take_is_blocked() {
@@ -90,7 +100,9 @@ void SimulatedWalker::turn_by(double turn_rad, double rate_rad_s) {
   turn_rate_rad_s_ = rate_rad_s;
 }
 
-void SimulatedWalker::act(Instruction instruction) {
+void SimulatedWalker::act(const Heard& heard) {
+  does_ = heard.number;
+  Instruction instruction = heard.instruction;
   if (random_.uniform() < faults_.scale * faults_.wrong_share) {
     if (instruction.turn_rad == 0) return;  // did not hear it
     instruction.turn_rad = -instruction.turn_rad;
@@ -134,12 +146,12 @@ void SimulatedWalker::act(Instruction instruction) {
 void SimulatedWalker::step(double dt_s) {
   for (Heard& heard : heard_) heard.in_s -= dt_s;
   while (!heard_.empty() && heard_.front().in_s <= 0) {
-    const Instruction instruction = heard_.front().instruction;
+    const Heard heard = heard_.front();
     heard_.pop_front();
-    act(instruction);
+    act(heard);
   }
   if (mode_ == Mode::kStand && heard_.empty() && !list_.empty()) {
-    const Instruction next = list_.front();
+    const Heard next = list_.front();
     list_.pop_front();
     act(next);
   }
@@ -225,7 +237,7 @@ void SimulatedWalker::walk(double dt_s) {
 void SimulatedWalker::move(const Vector2d& by) {
   const double near_m = clearance_m(home_.floor, place_ + by);
   const bool touches = near_m < kTouch_m;
-  if (touches && !touches_) ++contacts_;
+  if (touches && !touches_) contacts_.push_back(place_ + by);
   touches_ = touches;
   // Does not go through things; away from what they touch they may.
   if (near_m < kInside_m && near_m <= clearance_m(home_.floor, place_)) {

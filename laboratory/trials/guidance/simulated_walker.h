@@ -36,11 +36,17 @@ class SimulatedWalker {
   // Several things to do one after the other, each when the one before is done.
   void hear_list(const std::vector<Instruction>& instructions);
   void step(double dt_s);
+  // Here and now, about to do what they have heard, but from now on exactly: has touched nothing.
+  [[nodiscard]] SimulatedWalker without_faults() const;
 
   [[nodiscard]] const Eigen::Vector2d& place() const { return place_; }
   [[nodiscard]] double heading_rad() const { return heading_rad_; }
   [[nodiscard]] double walked_m() const { return walked_m_; }
-  [[nodiscard]] int contacts() const { return contacts_; }  // of the body
+  // Where the body began to touch something.
+  [[nodiscard]] const std::vector<Eigen::Vector2d>& contacts() const { return contacts_; }
+  // How often they were told to do something, and which of it they are doing; 0: nothing yet.
+  [[nodiscard]] int times_told() const { return times_told_; }
+  [[nodiscard]] int does() const { return does_; }
   // Stands, has nothing to do, since so long.
   [[nodiscard]] double idle_s() const { return idle_s_; }
   // True once where the cane finds no way on and there was more to walk.
@@ -48,7 +54,12 @@ class SimulatedWalker {
 
  private:
   enum class Mode { kStand, kTurn, kWalk, kClimb };
-  void act(Instruction instruction);
+  struct Heard {
+    Instruction instruction;
+    int number = 0;  // by times_told()
+    double in_s = 0;
+  };
+  void act(const Heard& heard);
   void turn_by(double turn_rad, double rate_rad_s);
   void walk(double dt_s);
   // Begins to walk over the stairs that are before them; stands where none are.
@@ -62,16 +73,12 @@ class SimulatedWalker {
   [[nodiscard]] double fault(double most);
 
   const WalkedHome& home_;
-  const WalkerFaults faults_;
+  WalkerFaults faults_;
   RandomStream random_;
   double veer_rad_per_m_ = 0, step_factor_ = 1;
 
-  struct Heard {
-    Instruction instruction;
-    double in_s = 0;
-  };
-  std::deque<Heard> heard_;
-  std::deque<Instruction> list_;
+  std::deque<Heard> heard_, list_;
+  int times_told_ = 0, does_ = 0;
   Mode mode_ = Mode::kStand;
   Eigen::Vector2d place_;
   double heading_rad_;  // where they face
@@ -87,7 +94,7 @@ class SimulatedWalker {
   std::optional<Climb> climb_;
   double walked_m_ = 0;
   double idle_s_ = 0;
-  int contacts_ = 0;
+  std::vector<Eigen::Vector2d> contacts_;
   bool touches_ = false, is_blocked_ = false;
 };
 
