@@ -139,7 +139,7 @@ void Guidance::plan_from(const Pose& pose) {
          (left_on_leg_m(pose) < kLegEnd_m || may_skip_leg(pose))) {
     ++leg_;
   }
-  if (was_barred_here(pose)) step_clear(pose);
+  step_clear(pose);
   announced_ = false;
   reminded_ = false;
   off_since_ns_.reset();
@@ -171,8 +171,8 @@ double Guidance::narrow_m_at(const Vector2d& here) const {
   return std::clamp(clearance_m(floor(), here) - kSlack_m, 0.0, options_.plan.narrow_radius_m);
 }
 
-// Somebody who stands nearer to what is beside them than ways lead is barred where they go straight
-// to the leg's end: first a step to where the way is clear.
+// A leg leaves out small corners, and somebody may stand beside it, nearer to things than ways
+// lead: who then went straight to its end would touch them. First a step to where the way is clear.
 void Guidance::step_clear(const Pose& pose) {
   if (legs_.empty() || legs_[leg_].stairs) return;
   const Vector2d& here = pose.position_gravity;
