@@ -244,6 +244,18 @@ TEST_F(NetworksCommandsTest, ANetworkIsMadeToRunInEightBits) {
   ASSERT_OK(write_file(path("roomwise/networks/tiny.onnx"), convolving_network(2)));
   EXPECT_THAT(run({"networks", "bench", "tiny-8bit"}).errors,
               HasSubstr("was measured of another file"));
+
+  // What a home was made with is compared with what is here.
+  const ProgramResult other = run({"check", own});
+  EXPECT_EQ(other.exit_code, 0);
+  EXPECT_THAT(other.output, HasSubstr("tiny.onnx: is not the network tiny, with which its rooms"));
+  ASSERT_OK(write_file(path("roomwise/networks/tiny.onnx"), std::string_view("no network")));
+  const ProgramResult damaged = run({"check", own});
+  EXPECT_EQ(damaged.exit_code, 1);
+  EXPECT_THAT(damaged.output, HasSubstr("tiny.onnx: the network tiny, with which its rooms were "
+                                        "learned, is damaged: delete the file"));
+  ASSERT_OK(write_file(path("roomwise/networks/tiny.onnx"), convolving_network(1)));
+  EXPECT_EQ(ask({"check", own})["networks"][0]["state"], "right");
 }
 
 TEST_F(NetworksCommandsTest, OursIsUsedWhereThereIsNoOther) {

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <memory>
+#include <ranges>
 #include <set>
 #include <utility>
 
@@ -218,6 +220,22 @@ Expected<std::vector<fs::path>> usable_detectors() {
     if (!labels || known.insert(*labels).second) usable.push_back(file);
   }
   return usable;
+}
+
+std::vector<fs::path> installed_networks() {
+  std::vector<fs::path> folders = network_folders();
+  if (const auto brought = brought_network_folder()) folders.push_back(*brought);
+  std::map<fs::path, fs::path> first;  // by the file's name
+  for (const fs::path& folder : folders) {
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+      const fs::path& file = entry.path();
+      if (network::has_ending_of_network(file) || network::is_eight_bit_file(file))
+        first.try_emplace(file.filename(), file);
+    }
+  }
+  const auto files = std::views::values(first);
+  return {files.begin(), files.end()};
 }
 
 const network::CatalogueEntry* find_catalogue_entry(const std::string& name) {

@@ -72,6 +72,9 @@ void add_network_options(CLI::App& command, NetworkOptions& options);
 // model of objects was fitted with, else the largest.
 [[nodiscard]] Expected<std::vector<std::filesystem::path>> usable_detectors();
 
+// All files of networks of the folders, that of Roomwise last; of two files of one name the first.
+[[nodiscard]] std::vector<std::filesystem::path> installed_networks();
+
 // The entry of the catalogue of this name, or of a file of this name; or nullptr.
 [[nodiscard]] const network::CatalogueEntry* find_catalogue_entry(const std::string& name);
 

@@ -45,6 +45,26 @@ Expected<std::string> text_of(const PrecisionCheck& check, const EightBitFile& h
   return json.dump();
 }
 
+struct StoredCheck {
+  std::string preprocessing;  // of the card that the network had
+  PrecisionCheck check;
+};
+
+Expected<StoredCheck> parse_check(const std::string& text, const std::string& origin) {
+  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const auto has_text = [&](const char* key) {
+    return json.is_object() && json.contains(key) && json.at(key).is_string();
+  };
+  if (!has_text("preprocessing") || !has_text("why"))
+    return fail("{}: is damaged; put back a copy of it", origin);
+  StoredCheck stored{json.at("preprocessing"), {std::nullopt, json.at("why")}};
+  if (has_text("eight_bits")) {
+    ROOMWISE_TRY(stored.check.eight_bits,
+                 network::parse_eight_bit_file(json.at("eight_bits").get<std::string>(), origin));
+  }
+  return stored;
+}
+
 Expected<bool> were_rooms_learned_with(const home::Home& home, const std::string& fingerprint) {
   ROOMWISE_TRY(const auto learned, home.room_classifier());
   return learned && learned->network_fingerprint == fingerprint;
@@ -76,20 +96,20 @@ Expected<std::optional<PrecisionCheck>> stored_precision_check(const home::Home&
   const auto stored = settings.find(setting_of(file.fingerprint));
   if (stored == settings.end()) return check;
   ROOMWISE_TRY(const std::string now, preprocessing_now(file));
-  const std::string origin = home.file() + ": " + stored->first;
-  const Json json = Json::parse(stored->second, nullptr, /*allow_exceptions=*/false);
-  const auto has_text = [&](const char* key) {
-    return json.is_object() && json.contains(key) && json.at(key).is_string();
-  };
-  if (!has_text("preprocessing") || !has_text("why"))
-    return fail("{}: is damaged; put back a copy of it", origin);
-  if (json.at("preprocessing") != now) return check;
-  check.emplace(PrecisionCheck{.eight_bits = std::nullopt, .why = json.at("why")});
-  if (has_text("eight_bits")) {
-    ROOMWISE_TRY(check->eight_bits,
-                 network::parse_eight_bit_file(json.at("eight_bits").get<std::string>(), origin));
-  }
+  ROOMWISE_TRY(StoredCheck read, parse_check(stored->second, home.file() + ": " + stored->first));
+  if (read.preprocessing == now) check = std::move(read.check);
   return check;
+}
+
+Expected<std::vector<EightBitFile>> stored_ways_of_eight_bits(const home::Home& home) {
+  ROOMWISE_TRY(const auto settings, home.settings());
+  std::vector<EightBitFile> ways;
+  for (const auto& [name, value] : settings) {
+    if (!name.starts_with(kSetting)) continue;
+    ROOMWISE_TRY(StoredCheck read, parse_check(value, home.file() + ": " + name));
+    if (read.check.eight_bits) ways.push_back(*std::move(read.check.eight_bits));
+  }
+  return ways;
 }
 
 Expected<std::string> network_precision_key(const home::Home& home) {

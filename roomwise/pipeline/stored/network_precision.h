@@ -35,6 +35,10 @@ struct PrecisionCheck {
 [[nodiscard]] Expected<std::optional<PrecisionCheck>> stored_precision_check(
     const home::Home& home, const network::NetworkFile& file);
 
+// How networks run in 8 bits at this home, by all checks that allowed it.
+[[nodiscard]] Expected<std::vector<network::EightBitFile>> stored_ways_of_eight_bits(
+    const home::Home& home);
+
 // Whether the network is to be checked before it looks at pictures of the home for the first time:
 // not where a check is stored, nor, with kAuto, where it has looked at the home in floats already.
 [[nodiscard]] Expected<bool> needs_precision_check(const home::Home& home,
