@@ -34,7 +34,7 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   endif()
   run(find ${package} -type d -empty -delete)
   # Neither the name nor the time of what is compressed, which differs between builds.
-  file(GLOB_RECURSE texts ${package}/usr/share/man/*.1 ${package}/usr/share/doc/changelog)
+  file(GLOB_RECURSE texts ${package}/usr/share/man/*.1* ${package}/usr/share/doc/changelog)
   run(gzip --best --no-name ${texts})
   run(find ${package} -exec touch --no-dereference --date=@$ENV{SOURCE_DATE_EPOCH} {} +)
   # Whatever the umask of who built it.

@@ -30,14 +30,20 @@ check_contents() {
   done
   contains roomwise ./usr/bin/roomwise ./usr/share/roomwise/web/index.html ./lib/systemd/system/roomwise.service \
     ./usr/share/man/man1/roomwise.1.gz ./usr/share/man/man1/roomwise-serve.1.gz \
+    ./usr/share/man/man1/roomwise-device.1roomwise.gz \
     ./usr/share/bash-completion/completions/roomwise ./usr/share/zsh/vendor-completions/_roomwise \
     ./usr/share/doc/roomwise/examples/haproxy.cfg "./usr/share/doc/roomwise/examples/roomwise-homes@.service"
   [[ $(files roomwise) == */networks/roomwise-*.onnx* ]] || fail "roomwise has no network"
   contains libroomwise-dev ./usr/include/roomwise/base/expected.h ./usr/lib/libroomwise_pipeline.a \
     ./usr/lib/cmake/Roomwise/RoomwiseConfig.cmake
   contains python3-roomwise ./usr/lib/python3/dist-packages/roomwise/__init__.py
-  contains roomwise-lab ./usr/bin/roomwise-lab
-  contains roomwise-device ./usr/bin/roomwise-device
+  contains roomwise-lab ./usr/bin/roomwise-lab ./usr/share/man/man1/roomwise-lab.1.gz \
+    ./usr/share/man/man1/roomwise-lab-simulate.1.gz ./usr/share/bash-completion/completions/roomwise-lab \
+    ./usr/share/zsh/vendor-completions/_roomwise-lab
+  [[ $(files roomwise-lab) != */bin/roomwise-train* ]] || contains roomwise-lab ./usr/share/man/man1/roomwise-train.1.gz \
+    ./usr/share/bash-completion/completions/roomwise-train ./usr/share/zsh/vendor-completions/_roomwise-train
+  contains roomwise-device ./usr/bin/roomwise-device ./usr/share/man/man1/roomwise-device.1.gz \
+    ./usr/share/bash-completion/completions/roomwise-device ./usr/share/zsh/vendor-completions/_roomwise-device
   [[ ! $(field roomwise-device Depends) =~ libav|libopencv|libdnnl|libsqlite3 ]] ||
     fail "roomwise-device needs what only homes need: $(field roomwise-device Depends)"
   [[ $(field roomwise Depends) == *libc6* ]] || fail "roomwise does not say which libraries it needs"

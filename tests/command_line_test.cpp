@@ -169,6 +169,37 @@ TEST(Help, WritesWhatShellsAndManRead) {
   EXPECT_EQ(*page, run_roomwise({"help", "rooms", "learn", "--as", "man"}).output);
 }
 
+// What the build has a program write of itself for shells and man.
+void expect_help_written(const std::string& program, const Words& pages, const std::string& page,
+                         const std::string& option) {
+  const ScratchFolder folder;
+  const std::string path = std::filesystem::path(ROOMWISE_PROGRAM).parent_path() / program;
+  EXPECT_EQ(testing::run_program(path, {"--write-help", folder.path()}).exit_code, 0) << program;
+  for (const std::string& one : pages)
+    EXPECT_TRUE(std::filesystem::exists(folder / ("man1/" + one))) << one;
+  const auto manual = read_text_file(folder / ("man1/" + page));
+  ASSERT_OK(manual);
+  EXPECT_THAT(*manual, HasSubstr(option));
+  const std::string script = folder / (program + ".bash");
+  EXPECT_THAT(read_text_file(script).value(), HasSubstr(fmt::format("_{0} {0}\n", program)));
+  EXPECT_EQ(testing::run_program("/bin/bash", {"-n", script}).exit_code, 0) << program;
+  EXPECT_THAT(read_text_file(folder / ("_" + program)).value(),
+              StartsWith(fmt::format("#compdef {}\n", program)));
+}
+
+TEST(Help, IsWrittenByEveryProgramForItself) {
+  expect_help_written("roomwise", {"roomwise.1", "roomwise-serve.1"}, "roomwise-check.1",
+                      "roomwise check");
+  expect_help_written("roomwise-device", {}, "roomwise-device.1", "\\-\\-camera");
+#ifdef ROOMWISE_HAS_LABORATORY
+  expect_help_written("roomwise-lab", {"roomwise-lab.1", "roomwise-lab-study-table.1"},
+                      "roomwise-lab-simulate.1", "\\-\\-walk\\-seed");
+#endif
+#ifdef ROOMWISE_HAS_TRAINING
+  expect_help_written("roomwise-train", {}, "roomwise-train.1", "\\-\\-steps");
+#endif
+}
+
 TEST(Optimize, PrintsTheErrorBeforeAndAfterAndWritesTheGraph) {
   const ScratchFolder folder;
   ASSERT_OK(write_file(folder / "in.g2o", kTwoPoses));

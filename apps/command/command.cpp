@@ -3,6 +3,7 @@
 #include <iostream>
 #include <new>
 
+#include "command_description.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/simd.h"
 
@@ -142,6 +143,12 @@ CLI::Validator positive() {
 
 int run(CLI::App& app, Context& context, int argc, const char* const* argv) {
   take_one_value_at_a_time(app);
+  // Asked by the build alone, which installs what is written.
+  if (argc == 3 && std::string_view(argv[1]) == "--write-help") {
+    const std::string program = std::filesystem::path(argv[0]).filename().string();
+    const auto written = write_help(app, program, app.version(), argv[2]);
+    return written ? kDone : print_failure(on_one_line(written.error().message));
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "roomwise/base/file.h"
+
 namespace roomwise::app {
 namespace {
 
@@ -344,6 +346,35 @@ std::string manual_page(const CommandDescription& command, const std::string& ve
   if (others.empty()) return page;
   for (std::string& other : others) other = fmt::format("\\fB{}\\fR(1)", roff(other));
   return page + fmt::format(".SH SEE ALSO\n{}\n", fmt::join(others, ", "));
+}
+
+Expected<std::size_t> write_manual(const CommandDescription& command, const std::string& version,
+                                   const std::filesystem::path& folder) {
+  ROOMWISE_CHECK_OK(
+      write_file(folder / (hyphenated(command.path) + ".1"), manual_page(command, version)));
+  std::size_t pages = 1;
+  for (const CommandDescription& below : command.commands) {
+    ROOMWISE_TRY(const std::size_t more, write_manual(below, version, folder));
+    pages += more;
+  }
+  return pages;
+}
+
+Expected<void> write_help(const CLI::App& app, const std::string& program,
+                          const std::string& version, const std::filesystem::path& folder) {
+  const std::filesystem::path manual = folder / "man1";
+  std::error_code error;
+  std::filesystem::create_directories(manual, error);
+  if (error) return fail("{}: cannot be made: {}", manual.string(), error.message());
+  const CommandDescription all = describe_command(app, program);
+  ROOMWISE_CHECK_OK(write_file(folder / (program + ".bash"), bash_completion(all)));
+  ROOMWISE_CHECK_OK(write_file(folder / ("_" + program), zsh_completion(all)));
+  const CommandDescription described = describe_command(app, app.get_name());
+  std::vector<CommandDescription> pages{described};
+  if (app.get_name() != program) pages = described.commands;
+  for (const CommandDescription& page : pages)
+    ROOMWISE_CHECK_OK(write_manual(page, version, manual));
+  return {};
 }
 
 }  // namespace roomwise::app

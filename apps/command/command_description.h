@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -39,5 +40,15 @@ struct CommandDescription {
 // The manual page of one command, in the man macros; `version`: of the program.
 [[nodiscard]] std::string manual_page(const CommandDescription& command,
                                       const std::string& version);
+// Writes those of a command and of all below it, "roomwise-rooms-learn.1", and says how many.
+[[nodiscard]] Expected<std::size_t> write_manual(const CommandDescription& command,
+                                                 const std::string& version,
+                                                 const std::filesystem::path& folder);
+
+// What a program is installed with, as it says of itself: PROGRAM.bash, _PROGRAM and man1/.
+// "roomwise-train" is a part of "roomwise": it has pages of its commands alone.
+[[nodiscard]] Expected<void> write_help(const CLI::App& app, const std::string& program,
+                                        const std::string& version,
+                                        const std::filesystem::path& folder);
 
 }  // namespace roomwise::app

@@ -2,7 +2,6 @@
 
 #include "command_description.h"
 #include "commands.h"
-#include "roomwise/base/file.h"
 
 namespace roomwise::app {
 namespace {
@@ -34,25 +33,13 @@ Expected<Named> find_command(const CLI::App& program, const std::vector<std::str
   return named;
 }
 
-Expected<std::size_t> write_manual(const CommandDescription& command,
-                                   const std::filesystem::path& folder) {
-  std::string file = command.path + ".1";
-  std::ranges::replace(file, ' ', '-');
-  ROOMWISE_CHECK_OK(write_file(folder / file, manual_page(command, ROOMWISE_VERSION)));
-  std::size_t pages = 1;
-  for (const CommandDescription& below : command.commands) {
-    ROOMWISE_TRY(const std::size_t more, write_manual(below, folder));
-    pages += more;
-  }
-  return pages;
-}
-
 Expected<Answer> help(const CLI::App& program, const HelpOptions& options) {
   ROOMWISE_TRY(const Named named, find_command(program, options.command));
   const CommandDescription described = describe_command(*named.command, named.path);
   Answer answer{"", to_json(described)};
   if (!options.manual.empty()) {
-    ROOMWISE_TRY(const std::size_t pages, write_manual(described, options.manual));
+    ROOMWISE_TRY(const std::size_t pages,
+                 write_manual(described, ROOMWISE_VERSION, options.manual));
     answer.text = fmt::format("wrote {} manual pages to {}\n", pages, options.manual.string());
   } else if (options.as == "bash") {
     answer.text = bash_completion(described);
