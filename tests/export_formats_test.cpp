@@ -224,11 +224,14 @@ TEST_F(ExportFormatsTest, AWalkPlaysBackWithItsPicturesPosesAndThings) {
                                "-o", path("first.mcap")});
   EXPECT_EQ(told.at("poses"), 37);
   const json log = read_by("read_mcap.py", {path("first.mcap")});
+  const auto prompts = log.at("prompts").size();
   EXPECT_EQ(log.at("topics"), (json{{"/tf", {"foxglove.FrameTransform", 37}},
                                     {"/camera/image", {"foxglove.CompressedImage", 37}},
                                     {"/camera/calibration", {"foxglove.CameraCalibration", 37}},
                                     {"/map", {"foxglove.PointCloud", 1}},
-                                    {"/things", {"foxglove.SceneUpdate", 1}}}));
+                                    {"/things", {"foxglove.SceneUpdate", 1}},
+                                    {"/rooms", {"foxglove.SceneUpdate", 1}},
+                                    {"/prompts", {"foxglove.Log", prompts}}}));
   EXPECT_EQ(log.at("frames"), json::array({json::array({"home", "camera"})}));
   EXPECT_EQ(log.at("points"), told.at("points"));
   EXPECT_NEAR(log.at("lowest_point_m").get<double>(), 0, 0.05);
@@ -237,6 +240,37 @@ TEST_F(ExportFormatsTest, AWalkPlaysBackWithItsPicturesPosesAndThings) {
   ASSERT_THAT(log.at("things"), SizeIs(2));
   EXPECT_EQ(log.at("things")[0].at("name"), "canapé \"3\"");
   EXPECT_NEAR(log.at("things")[0].at("bottom_m").get<double>(), 0, 0.05);
+}
+
+TEST_F(ExportFormatsTest, AWalkPlaysBackWithRoomsAndWhatIsSaidOnEnteringThem) {
+  const json told = result_of({"export", "mcap", "--home", path("my.home"), "--walk", kMadeUpWalk,
+                               "--language", "de", "-o", path("said.mcap")});
+  const json log = read_by("read_mcap.py", {path("said.mcap")});
+  const json& rooms = log.at("rooms");
+  ASSERT_THAT(rooms, SizeIs(2));
+  EXPECT_EQ(told.at("rooms"), 2);
+  result_of({"export", "json", "--home", path("my.home"), "-o", path("said.json")});
+  const json plan = read_json("said.json");
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(rooms[i].at("name"), plan.at("rooms")[i]);
+    EXPECT_NEAR(rooms[i].at("area_m2").get<double>(), plan.at("areas_m2")[i].get<double>(), 1e-6);
+    EXPECT_NEAR(rooms[i].at("height_m").get<double>(), 0, 1e-6);
+  }
+  const json& prompts = log.at("prompts");
+  ASSERT_GE(prompts.size(), 2U) << "the walk goes through both rooms";
+  EXPECT_EQ(told.at("prompts"), prompts.size());
+  std::string last;
+  for (const json& prompt : prompts) {
+    ASSERT_THAT(prompt.at("in"), SizeIs(1));
+    const std::string room = prompt.at("in")[0];
+    EXPECT_THAT(prompt.at("text").get<std::string>(),
+                ::testing::AllOf(HasSubstr(room), HasSubstr("Jetzt")));
+    EXPECT_NE(room, last) << "a room is called out when it is entered";
+    last = room;
+  }
+  EXPECT_THAT(error_of({"export", "mcap", "--home", path("my.home"), "--language", "la", "-o",
+                        path("latin.mcap")}),
+              HasSubstr("la"));
 }
 
 TEST_F(ExportFormatsTest, AWalkInPiecesPlaysBackWhatIsOnTheMap) {
@@ -250,8 +284,8 @@ TEST_F(ExportFormatsTest, AWalkInPiecesPlaysBackWhatIsOnTheMap) {
   EXPECT_LE(log.at("color_difference_median").get<double>(), 4);
   result_of({"export", "mcap", "--home", path("bare.home"), "-o", path("bare.mcap")});
   const json bare = read_by("read_mcap.py", {path("bare.mcap")});
-  EXPECT_EQ(bare.at("points"), 0);
-  EXPECT_THAT(bare.at("things"), IsEmpty());
+  for (const char* topic : {"/map", "/things", "/rooms", "/prompts"})
+    EXPECT_FALSE(bare.at("topics").contains(topic)) << topic << ": the home has nothing of it";
 }
 
 TEST_F(ExportFormatsTest, PicturesWithoutDepthHaveNoPoints) {

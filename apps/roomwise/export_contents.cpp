@@ -27,6 +27,7 @@ struct PicturesOptions {
   fs::path output;
   std::string walk;
   pipeline::DatasetOptions dataset;
+  std::string language = "en";  // of mcap
 };
 
 // Asked before long work.
@@ -185,15 +186,19 @@ Expected<Answer> export_mcap(const PicturesOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const home::RecordingId walk, find_walk(home, options.walk));
   CommandRun run(context);
-  ROOMWISE_TRY(
-      const pipeline::WalkLog log,
-      pipeline::write_walk_mcap(home, walk, options.output, options.dataset.voxel_size_m, run));
-  Answer answer{fmt::format("wrote {} poses, {} pictures, {} points, {} things to {}\n", log.poses,
-                            log.pictures, log.points, log.things, options.output.string()),
+  ROOMWISE_TRY(const pipeline::WalkLog log,
+               pipeline::write_walk_mcap(home, walk, options.output,
+                                         {options.dataset.voxel_size_m, options.language}, run));
+  Answer answer{fmt::format("wrote {} poses, {} pictures, {} points, {} things, {} rooms, {} "
+                            "prompts to {}\n",
+                            log.poses, log.pictures, log.points, log.things, log.rooms, log.prompts,
+                            options.output.string()),
                 {{"poses", log.poses},
                  {"pictures", log.pictures},
                  {"points", log.points},
                  {"things", log.things},
+                 {"rooms", log.rooms},
+                 {"prompts", log.prompts},
                  {"keyframes_elsewhere", log.keyframes_apart},
                  {"output", options.output.string()}}};
   if (log.keyframes_apart > 0) {
@@ -206,16 +211,18 @@ Expected<Answer> export_mcap(const PicturesOptions& options, Context& context) {
 }
 
 void add_mcap(CLI::App& group, Context& context) {
-  const auto [command, options] = add_command<PicturesOptions>(
-      group, context, "mcap",
-      "A walk to play back in Foxglove: poses, pictures, camera, the map's points, boxes of things "
-      "(MCAP, JSON)",
-      "roomwise export mcap --home my.home -o my.mcap", export_mcap);
+  const auto [command, options] =
+      add_command<PicturesOptions>(group, context, "mcap",
+                                   "A walk to play back in Foxglove: poses, pictures, camera, the "
+                                   "map's points, boxes of things, "
+                                   "outlines of rooms, what is said on entering them (MCAP, JSON)",
+                                   "roomwise export mcap --home my.home -o my.mcap", export_mcap);
   command->add_option("--home", options.home, "Home file")->required();
   command->add_option("-o,--output", options.output, "New file to write")->required();
   command->add_option("--walk", options.walk, "Which walk; default: the newest");
   add_setting(*command, "--voxel", options.dataset.voxel_size_m,
               "One point of the map a voxel of this size, m", positive());
+  add_setting(*command, "--language", options.language, "Of what is said: en, de, es or fr");
 }
 
 void add_contents(CLI::App& group, Context& context, const std::string& name,

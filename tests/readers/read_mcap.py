@@ -161,6 +161,51 @@ def picture_difference(picture, camera, pose, cloud):
     return np.abs(shown.astype(int) - colors[inside]).max(axis=1).tolist()
 
 
+def entities_of(by_topic, topic):
+    return by_topic[topic]["messages"][0]["entities"] if topic in by_topic else []
+
+
+def read_rooms(entities):
+    rooms = []
+    for entity in entities:
+        assert entity["frame_id"] == "home" and len(entity["texts"]) == 1
+        rings, heights = [], set()
+        for line in entity["lines"]:
+            assert line["type"] == 1, "a LINE_LOOP, which closes itself"
+            assert line["pose"]["position"] == {"x": 0, "y": 0, "z": 0} and not line["indices"]
+            rings.append([(point["x"], point["y"]) for point in line["points"]])
+            heights.update(point["z"] for point in line["points"])
+        assert len(heights) == 1, "rooms are flat"
+        rooms.append((entity["texts"][0]["text"], rings, heights.pop()))
+    return rooms
+
+
+def area(rings):
+    """Of rings whose holes turn the other way."""
+    return sum(a[0] * b[1] - a[1] * b[0] for ring in rings for a, b in zip(ring, ring[1:] + ring[:1])) / 2
+
+
+def is_inside(point, rings):
+    crossed = False
+    for ring in rings:
+        for (ax, ay), (bx, by) in zip(ring, ring[1:] + ring[:1]):
+            if (ay > point[1]) != (by > point[1]) and point[0] < ax + (bx - ax) * (point[1] - ay) / (by - ay):
+                crossed = not crossed
+    return crossed
+
+
+def read_prompts(by_topic, poses, rooms):
+    """Each with the rooms in whose outlines the camera was when it was said."""
+    prompts = []
+    for log in by_topic.get("/prompts", {"messages": []})["messages"]:
+        assert log["level"] == 2 and log["name"] == "roomwise"
+        at = poses[stamp(log)]["translation"]
+        prompts.append(
+            {"text": log["message"], "in": [name for name, rings, _ in rooms if is_inside((at["x"], at["y"]), rings)]}
+        )
+    return prompts
+
+
 def main(file):
     with open(file, "rb") as content:
         data = content.read()
@@ -189,7 +234,8 @@ def main(file):
                 assert stamp(message) == time
         by_topic[topic] = {"schema": name, "messages": [m[2] for m in own]}
     poses = {stamp(pose): pose for pose in by_topic["/tf"]["messages"]}
-    cloud = read_cloud(by_topic["/map"]["messages"][0])
+    assert all(one["messages"] for one in by_topic.values()), "a topic without a message"
+    cloud = read_cloud(by_topic["/map"]["messages"][0]) if "/map" in by_topic else (np.zeros((0, 3)), np.zeros((0, 3)))
     differences = []
     for image, camera in zip(by_topic["/camera/image"]["messages"], by_topic["/camera/calibration"]["messages"]):
         assert stamp(image) == stamp(camera) and image["frame_id"] == camera["frame_id"] == "camera"
@@ -197,7 +243,7 @@ def main(file):
         assert picture.format.lower() == image["format"] and picture.size == (camera["width"], camera["height"])
         assert not picture.getexif(), "a picture has Exif"
         differences += picture_difference(np.asarray(picture.convert("RGB")), camera, poses[stamp(image)], cloud)
-    entities = by_topic["/things"]["messages"][0]["entities"]
+    rooms = read_rooms(entities_of(by_topic, "/rooms"))
     print(
         json.dumps(
             {
@@ -211,8 +257,10 @@ def main(file):
                         "name": entity["texts"][0]["text"],
                         "bottom_m": entity["cubes"][0]["pose"]["position"]["z"] - entity["cubes"][0]["size"]["z"] / 2,
                     }
-                    for entity in entities
+                    for entity in entities_of(by_topic, "/things")
                 ],
+                "rooms": [{"name": name, "area_m2": area(rings), "height_m": height} for name, rings, height in rooms],
+                "prompts": read_prompts(by_topic, poses, rooms),
             }
         )
     )

@@ -72,6 +72,26 @@ ordered_json field_json(const std::string& name, std::size_t offset, int type) {
   return {{"name", name}, {"offset", offset}, {"type", type}};
 }
 
+ordered_json empty_scene() {
+  return {{"deletions", ordered_json::array()}, {"entities", ordered_json::array()}};
+}
+
+// Without what it shows.
+ordered_json entity_json(TimestampNs time_ns, const std::string& frame, const std::string& id) {
+  return {{"timestamp", time_json(time_ns)},
+          {"frame_id", frame},
+          {"id", id},
+          {"lifetime", time_json(0)},
+          {"frame_locked", true}};
+}
+
+ordered_json text_json(const std::string& text, const geometry::RigidTransform& place,
+                       double font_size_m) {
+  return {{"pose", pose_json(place)},        {"billboard", true},
+          {"font_size", font_size_m},        {"scale_invariant", false},
+          {"color", color_json(1, 1, 1, 1)}, {"text", text}};
+}
+
 }  // namespace
 
 FoxgloveSchema foxglove_transform_schema() {
@@ -121,15 +141,33 @@ FoxgloveSchema foxglove_scene_schema() {
                                     {"scale_invariant", kBoolean},
                                     {"color", color_schema()},
                                     {"text", kString}});
+  const ordered_json line = object({{"type", kInteger},
+                                    {"pose", pose_schema()},
+                                    {"thickness", kNumber},
+                                    {"scale_invariant", kBoolean},
+                                    {"points", list_of(vector_schema())},
+                                    {"color", color_schema()},
+                                    {"colors", list_of(color_schema())},
+                                    {"indices", list_of(kInteger)}});
   const ordered_json entity = object({{"timestamp", time_schema()},
                                       {"frame_id", kString},
                                       {"id", kString},
                                       {"lifetime", time_schema()},
                                       {"frame_locked", kBoolean},
+                                      {"lines", list_of(line)},
                                       {"cubes", list_of(cube)},
                                       {"texts", list_of(text)}});
   return schema("SceneUpdate", {{"deletions", list_of(object(ordered_json::object()))},
                                 {"entities", list_of(entity)}});
+}
+
+FoxgloveSchema foxglove_log_schema() {
+  return schema("Log", {{"timestamp", time_schema()},
+                        {"level", kInteger},
+                        {"message", kString},
+                        {"name", kString},
+                        {"file", kString},
+                        {"line", kInteger}});
 }
 
 ordered_json foxglove_transform(TimestampNs time_ns, const std::string& parent,
@@ -191,25 +229,58 @@ ordered_json foxglove_cloud(TimestampNs time_ns, const std::string& frame,
 ordered_json foxglove_scene(TimestampNs time_ns, const std::string& frame,
                             std::span<const NamedBox> boxes) {
   constexpr double kFontSize_m = 0.12;
-  ordered_json scene{{"deletions", ordered_json::array()}, {"entities", ordered_json::array()}};
+  ordered_json scene = empty_scene();
   for (const NamedBox& one : boxes) {
     geometry::RigidTransform above = one.box.world_from_box;
     above.translation.z() += one.box.size_m.z() / 2 + kFontSize_m;
     const ordered_json cube{{"pose", pose_json(one.box.world_from_box)},
                             {"size", xyz_json(one.box.size_m)},
                             {"color", color_json(0.2, 0.6, 1, 0.35)}};
-    const ordered_json text{{"pose", pose_json(above)},        {"billboard", true},
-                            {"font_size", kFontSize_m},        {"scale_invariant", false},
-                            {"color", color_json(1, 1, 1, 1)}, {"text", one.name}};
-    scene["entities"].push_back({{"timestamp", time_json(time_ns)},
-                                 {"frame_id", frame},
-                                 {"id", one.id},
-                                 {"lifetime", time_json(0)},
-                                 {"frame_locked", true},
-                                 {"cubes", ordered_json::array({cube})},
-                                 {"texts", ordered_json::array({text})}});
+    ordered_json entity = entity_json(time_ns, frame, one.id);
+    entity["cubes"] = ordered_json::array({cube});
+    entity["texts"] = ordered_json::array({text_json(one.name, above, kFontSize_m)});
+    scene["entities"].push_back(std::move(entity));
   }
   return scene;
+}
+
+ordered_json foxglove_outlines(TimestampNs time_ns, const std::string& frame,
+                               std::span<const NamedOutline> outlines) {
+  constexpr double kFontSize_m = 0.25, kThickness_m = 0.03;
+  constexpr int kLineLoop = 1;
+  ordered_json scene = empty_scene();
+  for (const NamedOutline& one : outlines) {
+    ordered_json entity = entity_json(time_ns, frame, one.id);
+    entity["lines"] = ordered_json::array();
+    for (const auto& ring : one.rings) {
+      ordered_json points = ordered_json::array();
+      for (const Eigen::Vector3d& corner : ring) points.push_back(xyz_json(corner));
+      entity["lines"].push_back({{"type", kLineLoop},
+                                 {"pose", pose_json(geometry::RigidTransform::identity())},
+                                 {"thickness", kThickness_m},
+                                 {"scale_invariant", false},
+                                 {"points", std::move(points)},
+                                 {"color", color_json(1, 0.8, 0.2, 1)},
+                                 {"colors", ordered_json::array()},
+                                 {"indices", ordered_json::array()}});
+    }
+    geometry::RigidTransform place = geometry::RigidTransform::identity();
+    place.translation = one.name_at;
+    entity["texts"] = ordered_json::array({text_json(one.name, place, kFontSize_m)});
+    scene["entities"].push_back(std::move(entity));
+  }
+  return scene;
+}
+
+ordered_json foxglove_log(TimestampNs time_ns, const std::string& name,
+                          const std::string& message) {
+  constexpr int kInfo = 2;
+  return {{"timestamp", time_json(time_ns)},
+          {"level", kInfo},
+          {"message", message},
+          {"name", name},
+          {"file", ""},
+          {"line", 0}};
 }
 
 }  // namespace roomwise::pipeline

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "roomwise/base/timestamp.h"
 #include "roomwise/geometry/oriented_box.h"
@@ -24,6 +25,7 @@ struct FoxgloveSchema {
 [[nodiscard]] FoxgloveSchema foxglove_calibration_schema();
 [[nodiscard]] FoxgloveSchema foxglove_cloud_schema();
 [[nodiscard]] FoxgloveSchema foxglove_scene_schema();
+[[nodiscard]] FoxgloveSchema foxglove_log_schema();
 
 [[nodiscard]] nlohmann::ordered_json foxglove_transform(
     TimestampNs time_ns, const std::string& parent, const std::string& child,
@@ -45,5 +47,20 @@ struct NamedBox {
 };
 [[nodiscard]] nlohmann::ordered_json foxglove_scene(TimestampNs time_ns, const std::string& frame,
                                                     std::span<const NamedBox> boxes);
+
+// Closed lines with a name at a point.
+struct NamedOutline {
+  std::string id;
+  std::string name;
+  Eigen::Vector3d name_at = Eigen::Vector3d::Zero();
+  std::vector<std::vector<Eigen::Vector3d>> rings;  // a ring's first corner is not its last
+};
+[[nodiscard]] nlohmann::ordered_json foxglove_outlines(TimestampNs time_ns,
+                                                       const std::string& frame,
+                                                       std::span<const NamedOutline> outlines);
+
+// What `name` said, for information.
+[[nodiscard]] nlohmann::ordered_json foxglove_log(TimestampNs time_ns, const std::string& name,
+                                                  const std::string& message);
 
 }  // namespace roomwise::pipeline
