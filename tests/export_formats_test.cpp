@@ -194,7 +194,8 @@ TEST_F(ExportFormatsTest, PicturesAreGivenWithoutTheirExif) {
 TEST_F(ExportFormatsTest, ASceneGraphHasTheHomesRoomsAndThings) {
   result_of({"export", "scene-graph", "--home", path("my.home"), "-o", path("graph.json")});
   const json graph = read_by("read_scene_graph.py", {path("graph.json")});
-  EXPECT_EQ(graph.at("layers"), (json{{"OBJECTS", 2}, {"ROOMS", 4}, {"BUILDINGS", 5}}));
+  EXPECT_EQ(graph.at("layers"),
+            (json{{"OBJECTS", 2}, {"PLACES", 3}, {"ROOMS", 4}, {"BUILDINGS", 5}}));
   const json& nodes = graph.at("nodes");
   ASSERT_THAT(nodes, SizeIs(5)) << "what lies in another piece has no place in it";
   EXPECT_EQ(nodes[0].at("symbol"), "B0");
@@ -214,9 +215,34 @@ TEST_F(ExportFormatsTest, ASceneGraphHasTheHomesRoomsAndThings) {
   EXPECT_EQ(nodes[4].at("parents"), json{kMadeUpKitchen});
 }
 
+TEST_F(ExportFormatsTest, ASceneGraphHasThePlacesOfTheRoomsFloor) {
+  result_of({"export", "scene-graph", "--home", path("my.home"), "-o", path("places.json")});
+  const json graph = read_by("read_scene_graph.py", {path("places.json")});
+  const json& places = graph.at("places");
+  // Each room is 3 m by 3 m less a box and what lies close to walls.
+  for (const char* room : {kMadeUpLiving, kMadeUpKitchen}) {
+    EXPECT_GE(places.at("of_rooms").at(room), 16) << room;
+    EXPECT_LE(places.at("of_rooms").at(room), 64) << room;
+  }
+  EXPECT_EQ(places.at("pieces"), 1) << "one can walk from each to each";
+  EXPECT_EQ(places.at("outside_their_room"), 0);
+  EXPECT_GE(places.at("least_distance_m").get<double>(), 0.2);
+  EXPECT_LE(places.at("longest_edge_m").get<double>(), 1.2) << "of neighbours";
+  ASSERT_THAT(places.at("between_rooms"), Not(IsEmpty()));
+  const json& door = graph.at("nodes")[1].at("siblings")[0].at("door_m");
+  for (const json& way : places.at("between_rooms")) {
+    EXPECT_LE(std::hypot(way[0].get<double>() - door[0].get<double>(),
+                         way[1].get<double>() - door[1].get<double>()),
+              1)
+        << "through the door alone";
+  }
+}
+
 TEST_F(ExportFormatsTest, ASceneGraphOfAHomeWithoutRoomsAndThingsIsABuilding) {
   result_of({"export", "scene-graph", "--home", path("bare.home"), "-o", path("bare-graph.json")});
-  EXPECT_THAT(read_by("read_scene_graph.py", {path("bare-graph.json")}).at("nodes"), SizeIs(1));
+  const json graph = read_by("read_scene_graph.py", {path("bare-graph.json")});
+  EXPECT_THAT(graph.at("nodes"), SizeIs(1));
+  EXPECT_EQ(graph.at("places").at("count"), 0);
 }
 
 TEST_F(ExportFormatsTest, AWalkPlaysBackWithItsPicturesPosesAndThings) {

@@ -11,6 +11,22 @@ SEMANTIC = {**NODE, "name": str, "color": dict, "bounding_box": dict, "semantic_
 ATTRIBUTES = {
     "SemanticNodeAttributes": SEMANTIC,
     "RoomNodeAttributes": {**SEMANTIC, "semantic_class_probabilities": dict},
+    "PlaceNodeAttributes": {
+        **SEMANTIC,
+        "distance": (int, float),
+        "num_basis_points": int,
+        "voxblox_mesh_connections": list,
+        "pcl_mesh_connections": list,
+        "mesh_vertex_labels": list,
+        "deformation_connections": list,
+        "real_place": bool,
+        "active_frontier": bool,
+        "frontier_scale": list,
+        "orientation": dict,
+        "need_cleanup": bool,
+        "num_frontier_voxels": int,
+        "anti_frontier": bool,
+    },
     "ObjectNodeAttributes": {**SEMANTIC, "mesh_connections": list, "registered": bool, "world_R_object": dict},
 }
 
@@ -45,6 +61,9 @@ def read_node(node, layers):
     assert 0 <= attributes["semantic_label"] < 2**32 and attributes["last_update_time_ns"] >= 0
     if "world_R_object" in expected:
         quaternion(attributes["world_R_object"])
+    if "orientation" in expected:
+        quaternion(attributes["orientation"])
+        numbers(attributes["frontier_scale"], 3)
     assert {"layer": node["layer"], "partition": node["partition"]} in layers
     return {
         "layer": node["layer"],
@@ -53,8 +72,45 @@ def read_node(node, layers):
         "position": numbers(attributes["position"], 3),
         "box": read_box(attributes["bounding_box"]),
         "metadata": attributes["metadata"],
+        "distance": attributes.get("distance"),
         "parents": [],
         "siblings": [],
+    }
+
+
+def is_in(position, box):
+    return all(abs(position[axis] - box["center"][axis]) <= box["size"][axis] / 2 + 1e-6 for axis in range(2))
+
+
+def read_places(nodes, edges):
+    """What the places say together, and which hang together."""
+    places = {number: node for number, node in nodes.items() if node["symbol"][0] == "p"}
+    rooms = {node["name"]: node for node in nodes.values() if node["symbol"][0] == "R"}
+    pieces = {number: {number} for number in places}
+    lengths, between_rooms = [], []
+    for source, target in edges:
+        if source not in places or target not in places:
+            continue
+        one, other = places[source], places[target]
+        lengths.append(sum((a - b) ** 2 for a, b in zip(one["position"], other["position"])) ** 0.5)
+        if one["parents"] != other["parents"]:
+            between_rooms.append([(a + b) / 2 for a, b in zip(one["position"], other["position"])])
+        if pieces[source] is not pieces[target]:
+            pieces[source] |= pieces[target]
+            for number in pieces[target]:
+                pieces[number] = pieces[source]
+    parents = [node["parents"] for node in places.values()]
+    assert all(len(one) <= 1 for one in parents)
+    return {
+        "count": len(places),
+        "pieces": len({id(piece) for piece in pieces.values()}),
+        "of_rooms": {name: parents.count([name]) for name in rooms},
+        "outside_their_room": sum(
+            not is_in(node["position"], rooms[name]["box"]) for node in places.values() for name in node["parents"]
+        ),
+        "least_distance_m": min((node["distance"] for node in places.values()), default=None),
+        "longest_edge_m": max(lengths, default=None),
+        "between_rooms": between_rooms,
     }
 
 
@@ -85,7 +141,8 @@ def main(file):
         else:
             low, high = sorted((source, target), key=lambda node: node["layer"])
             low["parents"].append(high["name"])
-    print(json.dumps({"layers": names, "nodes": list(nodes.values())}))
+    others = [node for node in nodes.values() if node["symbol"][0] != "p"]
+    print(json.dumps({"layers": names, "nodes": others, "places": read_places(nodes, sorted(map(tuple, edges)))}))
 
 
 if __name__ == "__main__":

@@ -9,13 +9,16 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "roomwise/pipeline/exports/floor_places.h"
+
 namespace roomwise::pipeline {
 namespace {
 
 using nlohmann::ordered_json;
 
 // Layers as Spark-DSG numbers them.
-constexpr int kObjects = 2, kRooms = 4, kBuildings = 5;
+constexpr int kObjects = 2, kPlaces = 3, kRooms = 4, kBuildings = 5;
+constexpr double kFarthest_m = 1e3;  // where nothing stands: JSON has no infinity
 constexpr std::uint32_t kNoLabel = std::numeric_limits<std::uint32_t>::max();
 
 // A node's number: a letter of its layer in the highest byte, a count below.
@@ -36,6 +39,13 @@ ordered_json box_json(const std::string& type, const geometry::OrientedBox& box)
           {"dimensions", vector_json(box.size_m)},
           {"world_P_center", vector_json(box.center())},
           {"world_R_center", quaternion_json(box.world_from_box.rotation)}};
+}
+
+ordered_json no_box_json() {
+  return {{"type", "INVALID"},
+          {"dimensions", {0, 0, 0}},
+          {"world_P_center", {0, 0, 0}},
+          {"world_R_center", quaternion_json(Eigen::Quaterniond::Identity())}};
 }
 
 // What nodes of all layers have. A node whose place is not known is not made.
@@ -67,9 +77,11 @@ class SceneGraphWriter {
                {{"project_name", "main"}, {"version", {{"major", 1}, {"minor", 1}, {"patch", 3}}}}},
               {"directed", false},
               {"multigraph", false},
-              {"layer_keys", {layer_key(kObjects), layer_key(kRooms), layer_key(kBuildings)}},
+              {"layer_keys",
+               {layer_key(kObjects), layer_key(kPlaces), layer_key(kRooms), layer_key(kBuildings)}},
               {"layer_names",
                {{"OBJECTS", layer_key(kObjects)},
+                {"PLACES", layer_key(kPlaces)},
                 {"ROOMS", layer_key(kRooms)},
                 {"BUILDINGS", layer_key(kBuildings)}}},
               {"metadata", {{"made_by", "roomwise"}, {"frame", "z up, z = 0 the floor, m"}}},
@@ -77,6 +89,7 @@ class SceneGraphWriter {
               {"edges", ordered_json::array()}};
     add_building();
     if (contents_.layout) add_rooms();
+    if (contents_.floor.grid) add_places();
     add_things();
     return graph_.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
   }
@@ -107,13 +120,8 @@ class SceneGraphWriter {
       }
     }
     const Eigen::Vector3d middle = extent.center();
-    add_node(
-        kBuilding, kBuildings,
-        semantic_attributes("SemanticNodeAttributes", "home", middle,
-                            {{"type", "INVALID"},
-                             {"dimensions", {0, 0, 0}},
-                             {"world_P_center", {0, 0, 0}},
-                             {"world_R_center", quaternion_json(Eigen::Quaterniond::Identity())}}));
+    add_node(kBuilding, kBuildings,
+             semantic_attributes("SemanticNodeAttributes", "home", middle, no_box_json()));
   }
 
   // Flat, on the floor: how high rooms are is not known.
@@ -159,6 +167,35 @@ class SceneGraphWriter {
       add_edge(kBuilding, id, ordered_json::object());
     }
     add_doors();
+  }
+
+  // On the floor; a place's edges lead to those that touch it.
+  void add_places() {
+    const FloorPlaces found =
+        floor_places(*contents_.floor.grid, contents_.layout ? &*contents_.layout : nullptr);
+    for (std::size_t i = 0; i < found.places.size(); ++i) {
+      const FloorPlace& place = found.places[i];
+      ordered_json attributes = semantic_attributes(
+          "PlaceNodeAttributes", "", contents_.place_gravity(place.middle_plan), no_box_json());
+      attributes["distance"] = std::min(place.clearance_m, kFarthest_m);
+      attributes["num_basis_points"] = 0;
+      for (const char* unused : {"voxblox_mesh_connections", "pcl_mesh_connections",
+                                 "mesh_vertex_labels", "deformation_connections"})
+        attributes[unused] = ordered_json::array();
+      attributes["real_place"] = true;
+      attributes["active_frontier"] = false;
+      attributes["frontier_scale"] = {0, 0, 0};
+      attributes["orientation"] = quaternion_json(Eigen::Quaterniond::Identity());
+      attributes["need_cleanup"] = false;
+      attributes["num_frontier_voxels"] = 0;
+      attributes["anti_frontier"] = false;
+      add_node(node_id('p', i), kPlaces, std::move(attributes));
+      if (!place.room) continue;
+      const auto room = rooms_.find(contents_.layout->rooms()[*place.room].name);
+      if (room != rooms_.end()) add_edge(room->second, node_id('p', i), ordered_json::object());
+    }
+    for (const auto& [one, other] : found.edges)
+      add_edge(node_id('p', one), node_id('p', other), ordered_json::object());
   }
 
   // What a way between rooms is, as the edge calls its place.
