@@ -10,7 +10,9 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <map>
 #include <mutex>
+#include <sstream>
 #include <thread>
 
 #include "roomwise/base/file.h"
@@ -119,11 +121,34 @@ Expected<void> run_steps(const StudyStore& store, const StudyTask& task, const R
 
 }  // namespace
 
+std::string processor_in(const std::string& cpuinfo) {
+  std::map<std::string, std::string> values;  // of the first processor that has one
+  std::istringstream lines(cpuinfo);
+  const auto trimmed = [](const std::string& text) {
+    const std::size_t begin = text.find_first_not_of(" \t");
+    if (begin == std::string::npos) return std::string();
+    return text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
+  };
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t colon = line.find(':');
+    if (colon == std::string::npos) continue;
+    values.try_emplace(trimmed(line.substr(0, colon)), trimmed(line.substr(colon + 1)));
+  }
+  for (const char* name : {"model name", "Model", "Hardware"}) {
+    if (!values[name].empty()) return values[name];
+  }
+  if (values["CPU part"].empty()) return {};
+  return fmt::format("ARM implementer {}, part {}", values["CPU implementer"], values["CPU part"]);
+}
+
 std::string machine_name() {
-  if (const char* node = std::getenv("SLURMD_NODENAME")) return node;
   std::array<char, 256> name{};
   (void)::gethostname(name.data(), name.size() - 1);
-  return name.data();
+  const char* const node = std::getenv("SLURMD_NODENAME");
+  const std::string computer = node != nullptr ? node : name.data();
+  const auto cpuinfo = read_text_file("/proc/cpuinfo");
+  const std::string processor = cpuinfo ? processor_in(*cpuinfo) : "";
+  return processor.empty() ? computer : fmt::format("{} ({})", computer, processor);
 }
 
 Expected<bool> run_task(const StudyStore& store, const StudyTask& task, const RunProgram& program) {

@@ -29,7 +29,10 @@ struct StudyCount {
 [[nodiscard]] Expected<StudyCount> run_here(const StudyStore& store, std::size_t workers,
                                             const RunProgram& program, Progress& progress);
 
-// The computer's name, or Slurm's name of it where a task of Slurm's asks.
+// The computer's name, or Slurm's name of it where a task of Slurm's asks, and its processor.
 [[nodiscard]] std::string machine_name();
+// What Linux's /proc/cpuinfo calls the processor: its model, else the board's, else the numbers of
+// an ARM core; empty where it tells none.
+[[nodiscard]] std::string processor_in(const std::string& cpuinfo);
 
 }  // namespace roomwise::studies

@@ -186,6 +186,38 @@ TEST_F(StudyRun, WritesCsvAndSqlite) {
   EXPECT_EQ(database.get<double>("SELECT avg(value_error) FROM results"), 2.125);
 }
 
+TEST(Processor, IsNamedAsLinuxNamesIt) {
+  EXPECT_EQ(
+      processor_in("processor\t: 0\nmodel\t\t: 17\nmodel name\t: AMD EPYC 9354 \n\nprocessor\t: 1\n"
+                   "model name\t: another\n"),
+      "AMD EPYC 9354");
+  EXPECT_EQ(processor_in("processor\t: 0\nBogoMIPS\t: 108.00\nCPU implementer\t: 0x41\n"
+                         "CPU part\t: 0xd08\n\nModel\t\t: Raspberry Pi 4 Model B Rev 1.1\n"),
+            "Raspberry Pi 4 Model B Rev 1.1");
+  EXPECT_EQ(processor_in("CPU implementer\t: 0x41\nCPU part\t: 0xd0c\n"),
+            "ARM implementer 0x41, part 0xd0c");
+  EXPECT_EQ(processor_in(""), "");
+}
+
+TEST_F(StudyRun, AResultTellsTheMachineWithItsProcessorAndTheVersion) {
+  const StudyStore made = store("1 (ab)");
+  ASSERT_OK(run_task(made, made.tasks()[0], program()));
+  const TaskResult result = made.results().value().at(0);
+  EXPECT_EQ(result.machine, machine_name());
+  EXPECT_THAT(result.machine, HasSubstr(processor_in(read_text_file("/proc/cpuinfo").value())));
+  EXPECT_EQ(result.version, "1 (ab)");
+}
+
+TEST_F(StudyRun, AResultOfBeforeThatTellsTheHostAloneIsRead) {
+  const StudyStore made = store();
+  TaskResult before;
+  before.id = made.tasks()[0].id;
+  before.factors = made.tasks()[0].factors;
+  before.machine = "node1";
+  ASSERT_OK(made.put(before));
+  EXPECT_EQ(made.results().value().at(0).machine, "node1");
+}
+
 TEST_F(StudyRun, ADamagedResultIsToldAndNotDoneAgainByItself) {
   const StudyStore made = store();
   ASSERT_OK(run_here(made, 1, program(), progress_));

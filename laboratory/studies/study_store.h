@@ -19,7 +19,7 @@ struct TaskResult {
   std::string why;                            // it failed
   std::map<std::string, std::string> values;  // as JSON has them: numbers with all their digits
   std::string version;                        // of the programs
-  std::string machine;                        // Slurm's node, or the computer
+  std::string machine;                        // machine_name(): of older studies without its processor
   int attempts = 0;
   double seconds = 0;  // of the last attempt
 };
