@@ -6,6 +6,7 @@
 #include <set>
 
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/service/access/rate_limit.h"
 #include "roomwise/service/credentials/pairing_proof.h"
 #include "roomwise/service/credentials/secrets.h"
 
@@ -155,6 +156,45 @@ TEST_F(AccessTest, FiveWrongGuessesVoidAllCodes) {
   EXPECT_EQ(status(first, "10.0.0.9"), 401);
   EXPECT_EQ(status(second, "10.0.0.9"), 401);
   EXPECT_EQ(status(code(), "10.0.0.9"), 200);
+}
+
+// It waits longer each time, and others can go on pairing by digits.
+TEST_F(AccessTest, OneAddressThatGuessesAllDayLocksNobodyElseOut) {
+  std::vector<std::int64_t> waits;
+  int heard = 0;
+  for (int second = 0; second < 20'000; ++second) {
+    const std::string open_code = code();
+    // Of one computer, which takes addresses as it likes.
+    const auto answer =
+        redeem(other_than(open_code), peer_key(fmt::format("2001:db8:1:2::{:x}", second)));
+    ASSERT_FALSE(answer.has_value());
+    if (answer.error().status == 401) ++heard;
+    if (answer.error().wait_s > 0 && (waits.empty() || answer.error().wait_s > waits.back()))
+      waits.push_back(answer.error().wait_s);
+    if (second % 2000 == 0) {
+      EXPECT_EQ(status(open_code, peer_key("2001:db8:1:3::1")), 200) << "a neighbour, " << second;
+    }
+    now_.steady_s += 1;
+  }
+  EXPECT_THAT(waits, ElementsAre(29, 59, 119, 239, 479, 959, 1919, 3599))
+      << "a second after the guess that began each";
+  EXPECT_LE(heard, 3 * 12);
+  // Who lives at that address, too, pairs when its wait is over.
+  now_.steady_s += 3600;
+  EXPECT_EQ(status(code(), peer_key("2001:db8:1:2::7")), 200);
+  EXPECT_EQ(status(other_than(code()), peer_key("2001:db8:1:2::7")), 401) << "and is as new";
+}
+
+// Addresses that are known to guess lock out each other.
+TEST_F(AccessTest, ManyAddressesThatAreKnownToGuessGetNoMoreTriesThanAllOthers) {
+  int compared = 0;
+  for (int second = 0; second < 100'000; ++second) {
+    const std::string wrong = other_than(code());
+    compared += status(wrong, fmt::format("10.0.0.{}", second % 200)) == 401 ? 1 : 0;
+    now_.steady_s += 1;
+  }
+  // Five, and an hour's wait: of those who are not known yet, and of those who are.
+  EXPECT_LE(compared, 2 * 5 * (8 + 28));
 }
 
 // Ten thousand guesses, from as many addresses as an attacker likes, while a helper asks for new

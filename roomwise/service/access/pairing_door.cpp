@@ -54,6 +54,11 @@ double PeerGuesses::wait_s(const PairingAttempt& attempt, const Now& now) {
   return guard_.counts(key) ? guard_.own_wait_s(key, now.steady_s) : 0;
 }
 
+bool PeerGuesses::is_known(const PairingAttempt& attempt, const Now& now) {
+  const std::scoped_lock lock(mutex_);
+  return guard_.is_known(guesser(attempt), now.steady_s);
+}
+
 void PeerGuesses::wrong(const PairingAttempt& attempt, const Now& now) {
   const std::scoped_lock lock(mutex_);
   guard_.wrong(guesser(attempt), now.steady_s);
@@ -178,6 +183,12 @@ double PairingDoor::wait_s(const PairingAttempt& attempt, const Now& now) const 
                           : guard_.wait_s(attempt.peer, now.steady_s);
 }
 
+// Where it is told nothing it may have to wait all the same.
+bool PairingDoor::hears(const PairingAttempt& attempt, const Now& now) const {
+  const bool is_known = options_.guesses && options_.guesses->is_known(attempt, now);
+  return (is_known ? guard_.wait_of_known_s(now.steady_s) : guard_.wait_s(now.steady_s)) == 0;
+}
+
 tl::expected<PairingDoor::Code, Refusal> PairingDoor::count_digits(const PairingAttempt& attempt,
                                                                    const Judged& judged,
                                                                    const Now& now) {
@@ -185,13 +196,13 @@ tl::expected<PairingDoor::Code, Refusal> PairingDoor::count_digits(const Pairing
     return tl::unexpected(refusal_to_wait(wait));
   }
   std::optional<Code> code;
-  if (judged.known && guard_.wait_s(now.steady_s) == 0) {
+  if (judged.known && hears(attempt, now)) {
     code = guard_.take(judged.known->secret, now.steady_s);
   }
   if (!code) {
     if (options_.guesses) {
+      guard_.wrong_of(options_.guesses->is_known(attempt, now), now.steady_s);
       options_.guesses->wrong(attempt, now);
-      guard_.wrong_of_all(now.steady_s);
     } else {
       guard_.wrong(attempt.peer, now.steady_s);
     }
@@ -213,7 +224,7 @@ tl::expected<Pairing, Refusal> PairingDoor::redeem_digits(const PairingAttempt& 
     if (const double wait = wait_s(attempt, now); wait > 0) {
       return tl::unexpected(refusal_to_wait(wait));
     }
-    if (guard_.wait_s(now.steady_s) == 0) codes = guard_.codes(now.steady_s);
+    if (hears(attempt, now)) codes = guard_.codes(now.steady_s);
   }
   std::erase_if(codes, [](const Code& code) { return code.digits.empty(); });
   auto judged = judge_digits(std::move(codes), attempt, now);

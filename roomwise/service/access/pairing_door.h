@@ -60,6 +60,8 @@ class ProofPlaces {
 class PeerGuesses {
  public:
   [[nodiscard]] double wait_s(const PairingAttempt& attempt, const Now& now);
+  // PairingGuard::is_known().
+  [[nodiscard]] bool is_known(const PairingAttempt& attempt, const Now& now);
   void wrong(const PairingAttempt& attempt, const Now& now);
   void right(const PairingAttempt& attempt);
 
@@ -122,6 +124,7 @@ class PairingDoor {
                                                                    const Now& now);
   // How long that peer's digits are not heard, s. With guard_mutex_ held, as the next.
   [[nodiscard]] double wait_s(const PairingAttempt& attempt, const Now& now) const;
+  [[nodiscard]] bool hears(const PairingAttempt& attempt, const Now& now) const;
   // Counts what came of an attempt at digits: the code that is redeemed by it.
   [[nodiscard]] tl::expected<Code, Refusal> count_digits(const PairingAttempt& attempt,
                                                          const Judged& judged, const Now& now);

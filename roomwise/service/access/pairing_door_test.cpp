@@ -145,5 +145,19 @@ TEST_F(PairingDoorTest, ANameWithCodesAnswersLikeOthersHoweverManyNamesWereGuess
   EXPECT_EQ(ask(*home, {.code = second.digits, .home = "flat-1", .peer = "10.0.0.5"}), 401);
 }
 
+TEST_F(PairingDoorTest, OneAddressThatGoesOnGuessingVoidsNoDigits) {
+  for (const bool is_secret : {false, true}) {
+    const auto home = door(is_secret);
+    const OpenCode code = open_code(*home);
+    int refused = 0;
+    for (const double wait_s : {30.0, 60.0, 120.0, 0.0}) {
+      for (int i = 0; i < 3; ++i) refused += guess(*home, code, "10.0.0.1") == 401 ? 0 : 1;
+      now_.steady_s += wait_s;
+    }
+    EXPECT_EQ(refused > 0, !is_secret) << "a secret door tells nobody to wait for all";
+    EXPECT_EQ(ask(*home, {.code = code.digits, .peer = "10.0.0.2"}), 200);
+  }
+}
+
 }  // namespace
 }  // namespace roomwise::service

@@ -35,8 +35,19 @@ double PairingGuard::wait_s(double now_s) const {
 
 double PairingGuard::own_wait_s(const std::string& peer, double now_s) const {
   const auto found = peers_.find(peer);
-  return found == peers_.end() ? wait_for_room_s(now_s)
-                               : std::max(0.0, found->second.until_s - now_s);
+  if (found == peers_.end()) return wait_for_room_s(now_s);
+  const double until_s = is_known(peer, now_s) ? std::max(known_.until_s, found->second.until_s)
+                                               : found->second.until_s;
+  return std::max(0.0, until_s - now_s);
+}
+
+bool PairingGuard::is_known(const std::string& peer, double now_s) const {
+  const auto found = peers_.find(peer);
+  return found != peers_.end() && found->second.waits > 0 && !is_old(found->second, now_s);
+}
+
+double PairingGuard::wait_of_known_s(double now_s) const {
+  return std::max(wait_s(now_s), known_.until_s - now_s);
 }
 
 double PairingGuard::wait_s(const std::string& peer, double now_s) const {
@@ -77,22 +88,27 @@ void PairingGuard::put_back(Code code, double now_s) {
 }
 
 void PairingGuard::wrong(const std::string& peer, double now_s) {
+  const bool was_known = is_known(peer, now_s);
   if (Guesses* const own = of(peer, now_s)) count(*own, kWrongOfPeer, now_s);
-  wrong_of_all(now_s);
+  wrong_of(was_known, now_s);
 }
 
-void PairingGuard::wrong_of_all(double now_s) {
+void PairingGuard::wrong_of(bool is_known, double now_s) {
   if (wait_s(now_s) > 0) return;
   // Where nothing can be guessed, guessing must not lock others out.
   const auto open = codes(now_s);
   if (std::ranges::all_of(open, [](const Code& code) { return code.digits.empty(); })) return;
-  count(all_, kWrongOfAll, now_s);
+  count(is_known ? known_ : all_, kWrongOfAll, now_s);
   if (wait_s(now_s) == 0) return;
   for (Code& code : codes_) code.digits.clear();
 }
 
+bool PairingGuard::is_old(const Guesses& guesses, double now_s) {
+  return now_s - guesses.last_s > kForgotten_s;
+}
+
 void PairingGuard::count(Guesses& guesses, int most, double now_s) {
-  if (now_s - guesses.last_s > kForgotten_s) guesses = {};
+  if (is_old(guesses, now_s)) guesses = {};
   guesses.last_s = now_s;
   if (++guesses.wrong < most) return;
   guesses.wrong = 0;
