@@ -45,6 +45,28 @@ double heading_to(const Vector2d& from, const Vector2d& to) {
 
 }  // namespace
 
+std::string_view to_string(Course course) {
+  switch (course) {
+    case Course::kOnWay:
+      return "on_way";
+    case Course::kOffWay:
+      return "off_way";
+    case Course::kLost:
+      return "lost";
+    case Course::kPaused:
+      return "paused";
+    case Course::kWaits:
+      return "waiting";
+    case Course::kArrived:
+      return "arrived";
+    case Course::kNearest:
+      return "nearest";
+    case Course::kEnded:
+      break;
+  }
+  return "ended";
+}
+
 Expected<void> GuidanceOptions::validate() const {
   ROOMWISE_CHECK_OK(plan.validate());
   if (!(announce_to_m > 0 && announce_from_m > announce_to_m)) {
@@ -143,6 +165,7 @@ void Guidance::plan_from(const Pose& pose) {
   announced_ = false;
   reminded_ = false;
   off_since_ns_.reset();
+  is_off_way_ = false;
 }
 
 // Up to a thing one walks until a hand or a cane is at it: the last leg goes on to where the body
@@ -212,6 +235,34 @@ double Guidance::left_on_leg_m(const Pose& pose) const {
   if (leg.stairs) return leg.length_m;
   const Vector2d along = Vector2d(std::cos(leg.heading_rad()), std::sin(leg.heading_rad()));
   return (leg.to - pose.position_gravity).dot(along);
+}
+
+Course Guidance::course() const {
+  switch (state_) {
+    case State::kLost:
+      return Course::kLost;
+    case State::kPaused:
+      return Course::kPaused;
+    case State::kArrived:
+      return Course::kArrived;
+    case State::kNearest:
+      return Course::kNearest;
+    case State::kEnded:
+      return Course::kEnded;
+    case State::kStopped:
+      if (waits_since_ns_) return Course::kWaits;
+      break;
+    default:
+      break;
+  }
+  return is_off_way_ ? Course::kOffWay : Course::kOnWay;
+}
+
+std::optional<double> Guidance::left_m() const {
+  const Pose* const pose = track_.newest();
+  const bool is_led = !is_over() && state_ != State::kLost && state_ != State::kByRooms;
+  if (!is_led || pose == nullptr || legs_.empty()) return std::nullopt;
+  return left_m(*pose);
 }
 
 double Guidance::left_m(const Pose& pose) const {
@@ -562,6 +613,7 @@ std::optional<Prompt> Guidance::off_the_way(const Pose& pose, TimestampNs now_ns
   if (!off_since_ns_) off_since_ns_ = now_ns;
   if (seconds_between(*off_since_ns_, now_ns) < options_.off_way_s) return std::nullopt;
   off_since_ns_.reset();
+  is_off_way_ = true;
   Prompt prompt = stop({"guide.off"}, now_ns);
   prompt.priority = Priority::kHazard;
   return prompt;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "roomwise/guide/guidance_words.h"
@@ -54,6 +55,19 @@ struct Aim {
   double distance_m = 0;   // from their middle, along the floor
 };
 
+// How it goes, for who looks on.
+enum class Course {
+  kOnWay,
+  kOffWay,  // and was told so
+  kLost,    // nobody knows where they are
+  kPaused,
+  kWaits,    // for what is in the way and may go
+  kArrived,  // down to here it is over
+  kNearest,  // at the end of the way that is known
+  kEnded,
+};
+[[nodiscard]] std::string_view to_string(Course course);  // "on_way"
+
 // What the person led may want meanwhile.
 enum class GuidanceRequest { kPause, kResume, kRepeat, kHowFar, kNext, kBlocked, kEnd };
 
@@ -93,6 +107,9 @@ class Guidance {
   [[nodiscard]] Prompt request(GuidanceRequest request, TimestampNs now_ns);
 
   [[nodiscard]] State state() const { return state_; }
+  [[nodiscard]] Course course() const;
+  // From the newest place along the way; nothing where either is not known.
+  [[nodiscard]] std::optional<double> left_m() const;
   [[nodiscard]] bool is_over() const {
     return state_ == State::kArrived || state_ == State::kNearest || state_ == State::kEnded;
   }
@@ -247,6 +264,7 @@ class Guidance {
   double said_at_walked_m_ = 0;
   std::optional<StairsOnWay> stairs_;  // that are walked over now
   std::optional<TimestampNs> off_since_ns_;
+  bool is_off_way_ = false;                    // was told so, and of no other way yet
   std::optional<Eigen::Vector2d> at_goal_by_;  // the first place that was at the goal
   std::optional<TimestampNs> corrected_ns_;
   std::optional<TimestampNs> hazard_ns_;

@@ -271,12 +271,14 @@ TEST_F(GuidanceTest, OffTheWayAfterThirtyDegreesForTwoSecondsItPlansAnew) {
   while (said.empty() && now_ns_ < turned_ns + 10 * kSecond) said = go(0.2, 0.6);
   ASSERT_FALSE(said.empty());
   EXPECT_EQ(said[0].text, "Off the way. Stop.");
+  EXPECT_EQ(guidance_->course(), Course::kOffWay);
   EXPECT_NEAR(seconds_between(turned_ns, now_ns_), 2, 0.5);
   const TimestampNs spoken_ns = now_ns_ + static_cast<TimestampNs>(speaking_s(said[0].text) * 1e9);
   said.clear();
   while (said.empty()) said = go(0.2);
   EXPECT_LE(seconds_between(spoken_ns, now_ns_), 1.0);
   EXPECT_THAT(said[0].text, StartsWith("Turn "));
+  EXPECT_EQ(guidance_->course(), Course::kOnWay) << "another one";
 }
 
 TEST_F(GuidanceTest, OffTheWayAfterAMetreBesideIt) {
@@ -776,6 +778,26 @@ TEST_F(AimTest, LeadsNobodyIntoWhatStandsBesideTheWay) {
   (void)hear(1, 0.7);
   ASSERT_TRUE(aims());
   EXPECT_GT(guidance_->aim()->bearing_rad, kPi / 4);
+}
+
+TEST_F(GuidanceTest, WhoLooksOnSeesHowItGoesAndWhatIsLeft) {
+  lead_to(bed_at({3.3, 1.2}, "bedroom"), {1, 1.2}, 0);
+  EXPECT_EQ(guidance_->left_m(), std::nullopt) << "nobody knows the way yet";
+  (void)hear(8);
+  EXPECT_EQ(to_string(guidance_->course()), "on_way");
+  ASSERT_TRUE(guidance_->left_m());
+  const double before_m = *guidance_->left_m();
+  (void)hear(1, 0.5);
+  EXPECT_NEAR(*guidance_->left_m(), before_m - 0.5, 0.15);
+  (void)guidance_->request(GuidanceRequest::kPause, now_ns_);
+  EXPECT_EQ(to_string(guidance_->course()), "paused");
+  (void)guidance_->request(GuidanceRequest::kResume, now_ns_);
+  is_seen_ = false;
+  (void)hear(20);
+  EXPECT_EQ(to_string(guidance_->course()), "lost");
+  EXPECT_EQ(guidance_->left_m(), std::nullopt);
+  (void)guidance_->request(GuidanceRequest::kEnd, now_ns_);
+  EXPECT_EQ(to_string(guidance_->course()), "ended");
 }
 
 // Of 0.6 m in cells of 0.1 m: ways that keep 0.3 m to each side end before it.

@@ -38,15 +38,17 @@ enum class QuestionType {
   kTakeMeBack,   // to where one was
   kWhichSpots,
   kForgetSpot,
-  kWhoIsHere,   // whether somebody is in the picture
-  kIsItLight,   // in the picture
+  kWhoIsHere,  // whether somebody is in the picture
+  kIsItLight,  // in the picture
+  kShowWalks,  // to helpers
+  kHideWalks,
   kYes,         // to "Did you mean ...?"
   kNamed,       // a name alone
   kCannotTell,  // what no picture and no map can answer
 };
 
 // As catalogues call them.
-constexpr std::array<std::pair<std::string_view, QuestionType>, 34> kQuestionTypes{
+constexpr std::array<std::pair<std::string_view, QuestionType>, 36> kQuestionTypes{
     {{"where_am_i", QuestionType::kWhereAmI},
      {"around_me", QuestionType::kAroundMe},
      {"where_is", QuestionType::kWhereIs},
@@ -74,6 +76,9 @@ constexpr std::array<std::pair<std::string_view, QuestionType>, 34> kQuestionTyp
      {"teach_thing", QuestionType::kTeachThing},
      {"who_is_here", QuestionType::kWhoIsHere},
      {"is_it_light", QuestionType::kIsItLight},
+     // Before things that are shared: a walk is none.
+     {"show_walks", QuestionType::kShowWalks},
+     {"hide_walks", QuestionType::kHideWalks},
      {"mark_spot", QuestionType::kMarkSpot},
      {"take_me_back", QuestionType::kTakeMeBack},
      {"which_spots", QuestionType::kWhichSpots},

@@ -345,6 +345,10 @@ std::optional<service::Question> question_of(guide::QuestionType type, bool is_r
       return Question::kWhoIsHere;
     case QuestionType::kIsItLight:
       return Question::kIsItLight;
+    case QuestionType::kShowWalks:
+      return Question::kShowWalks;
+    case QuestionType::kHideWalks:
+      return Question::kHideWalks;
     case QuestionType::kNamed:  // a room is told of, a thing is looked for
       return is_room ? Question::kDescribeRoom : Question::kWhereIs;
     default:
@@ -575,6 +579,8 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
     case service::Question::kRenameSpot:
     case service::Question::kWhoIsHere:
     case service::Question::kIsItLight:
+    case service::Question::kShowWalks:
+    case service::Question::kHideWalks:
       break;
     case service::Question::kTakeMeBack:  // there is no way back
       return {guide::spot_prompt(guide::SpotStep::kNoWayBack, "", wording, now_ns)};

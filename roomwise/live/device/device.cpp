@@ -8,6 +8,7 @@
 
 #include "roomwise/base/stopwatch.h"
 #include "roomwise/guide/questions/refusal_prompts.h"
+#include "roomwise/guide/watch_prompts.h"
 #include "roomwise/service/protocol/prompt_message.h"
 
 namespace roomwise::live {
@@ -53,6 +54,14 @@ bool is_of_own_things(service::Question question) {
 bool is_of_spots(service::Question question) {
   return question == service::Question::kForgetSpot || question == service::Question::kRenameSpot ||
          question == service::Question::kWhichSpots;
+}
+
+bool is_of_watching(service::Question question) {
+  return question == service::Question::kShowWalks || question == service::Question::kHideWalks;
+}
+
+bool asks_to_be_led(service::Question question) {
+  return question == service::Question::kTakeMeTo || question == service::Question::kTakeMeBack;
 }
 
 // What the newest picture answers by itself: it is looked at for this alone, by whoever looks at
@@ -104,11 +113,13 @@ void Device::take(const service::DeviceMessage& message) {
   const auto* const ask = std::get_if<service::Ask>(&message);
   bool greeted = false;
   bool is_other_language = false;
+  std::optional<bool> may_watch;
   {
     const std::scoped_lock lock(mutex_);
     greeted = greeted_;
     if (const auto* const change = std::get_if<service::SettingsChange>(&message)) {
       is_other_language = change->language && *change->language != settings_.language;
+      if (change->may_watch != settings_.may_watch) may_watch = change->may_watch;
       apply(*change, settings_);
     } else if (const auto* const quiet = std::get_if<service::Quiet>(&message)) {
       quiet_ = quiet->on;
@@ -119,6 +130,11 @@ void Device::take(const service::DeviceMessage& message) {
                          ask != nullptr ? std::optional(ask->id) : std::nullopt);
   }
   if (is_other_language) home_changed();  // things have other names now
+  if (may_watch) let_watch(*may_watch);
+  if (const auto* const watch = std::get_if<service::Watch>(&message)) {
+    if (who_.role != service::Role::kHelper) return refuse(Error{"only helpers may watch"});
+    if (!watches_.exchange(watch->on) && watch->on) host_.began_to_watch(*this);
+  }
   if (ask != nullptr) hear({*ask});
 }
 
@@ -142,6 +158,7 @@ void Device::greet(const service::Hello& hello) {
   }
   if (is_second) return refuse_unread(Error{"hello was said already; connect anew to change it"});
   record_to(host_.recorder_for(*this));
+  show_walk(true, /*with_end=*/false);
 }
 
 service::Welcome Device::welcome() const {
@@ -180,6 +197,7 @@ void Device::on_message(Bytes bytes) {
     last_heard_t_ms_ = frame.t_ms;
     if (newest_) ++dropped_;
     newest_ = std::move(frame);
+    newest_came_ = Clock::now();
     arrived.dropped = dropped_;
   }
   send(arrived);
@@ -187,6 +205,7 @@ void Device::on_message(Bytes bytes) {
 }
 
 void Device::on_closed() {
+  watches_ = false;
   const std::scoped_lock lock(mutex_);
   closed_ = true;
   newest_.reset();
@@ -228,6 +247,13 @@ void Device::hear(const Asked& asked) {
   }
   if (is_of_spots(ask.question)) {
     hear_of_spots(ask);
+    return host_.answered(ask.question, seconds_since(asked.came));
+  }
+  if (is_of_watching(ask.question)) {
+    const bool may_watch = ask.question == service::Question::kShowWalks;
+    say({guide::may_watch_prompt(may_watch, wording_now(), std::llround(ask.t_ms * 1e6))}, ask.id,
+        {});
+    let_watch(may_watch);
     return host_.answered(ask.question, seconds_since(asked.came));
   }
   service::Ask now = ask;
@@ -518,8 +544,10 @@ void Device::hear_now(const Asked& asked) {
                         calendar_time(unix_now_ns())};
     prompts = answer_now(ask, view, now);
     announcer_.answered(now, prompts);
+    if (led_ && settings_.may_watch) watch_.say(prompts, Clock::now());
   }
   say(prompts, ask.id, based_on_t_ms);
+  show_walk(asks_to_be_led(ask.question));
   host_.answered(ask.question, seconds_since(asked.came));
 }
 
@@ -527,6 +555,7 @@ std::vector<guide::Prompt> Device::lead_to(const service::Ask& goal,
                                            const std::shared_ptr<const HomeView>& home,
                                            const Situation& now, bool is_way_back) {
   led_ = LedWalk::to(goal, home, now);
+  watch_ = {};
   if (!led_) return {};
   // Who is led back keeps where they set out: it is where they go.
   const bool is_sure =
@@ -591,8 +620,10 @@ Expected<FrameResult> Device::look(CameraFrame frame) {
 
 bool Device::work() {
   std::optional<CameraFrame> frame;
+  Clock::time_point came;
   {
     const std::scoped_lock lock(mutex_);
+    came = newest_came_;
     if (looking_ || closed_) return false;
     frame = std::move(newest_);
     newest_.reset();
@@ -626,7 +657,7 @@ bool Device::work() {
   }
   if (result) {
     // What is shown comes last: who has it has all that this frame has to say.
-    call_out(*result);
+    call_out(*result, came);
     send(seen_of(*result));
     host_.saw(*this, *result);
   } else {
@@ -636,7 +667,7 @@ bool Device::work() {
   return more;
 }
 
-void Device::call_out(const FrameResult& result) {
+void Device::call_out(const FrameResult& result, Clock::time_point came) {
   std::vector<guide::Prompt> prompts;
   std::optional<service::Aim> aim;
   {
@@ -656,10 +687,69 @@ void Device::call_out(const FrameResult& result) {
       return prompt.priority == guide::Priority::kCallout &&
              (quiet_ || !settings_.callouts || is_led());
     });
+    if (led_ && settings_.may_watch) {
+      const Clock::time_point now = Clock::now();
+      if (is_led()) watch_.say(prompts, now);
+      watch_.say(of_guide, now);
+      if (is_led() && result.place) watch_.place(*result.place, came);
+    }
     std::ranges::move(of_guide, std::back_inserter(prompts));
   }
   say(prompts, {}, result.t_ms);
   if (aim) send(*aim);
+  show_walk(false);
+}
+
+// ---- helpers who watch ----
+
+void Device::let_watch(bool may_watch) {
+  {
+    const std::scoped_lock lock(mutex_);
+    settings_.may_watch = may_watch;
+    if (!may_watch) watch_ = {};
+  }
+  show_walk(true, /*with_end=*/false);
+}
+
+service::WatchedDevice Device::watched(bool with_end) const {
+  service::WatchedDevice watched{who_.device, who_.name, to_ms(Clock::now()), settings_.may_watch};
+  const bool is_shown = settings_.may_watch && (with_end ? led_ != nullptr : is_led());
+  if (is_shown) watched.walk = watch_.shown(led_->watched());
+  return watched;
+}
+
+void Device::tell_of(std::span<const service::Identity> watchers) {
+  const auto names = watch_.to_tell(watchers);
+  if (names.empty()) return;
+  const TimestampNs now_ns = std::llround(last_heard_t_ms_ * 1e6);
+  say({guide::watched_prompt(names, wording_of(settings_), now_ns)}, {}, {});
+}
+
+// Sent under the lock: once a person said no, nothing that was so before it goes out.
+void Device::show_walk(bool in_any_case, bool with_end) {
+  const std::scoped_lock lock(mutex_);
+  if (!greeted_ || closed_ || !camera_) return;
+  // Else it would tell that they asked to be led.
+  if (with_end && !settings_.may_watch) return;
+  if (!in_any_case && !led_) return;
+  const auto watchers = host_.watchers(who_);
+  if (watchers.empty()) return;
+  const service::WatchedDevice now = watched(with_end);
+  if (now.walk) {
+    const Clock::time_point now_is = Clock::now();
+    if (!in_any_case && !watch_.is_due(*now.walk, !is_led(), now_is)) return;
+    watch_.was_shown(*now.walk, now_is);
+    tell_of(watchers);
+  }
+  host_.shows_walk(now);
+}
+
+void Device::show_walk_to(Device& helper) {
+  const std::scoped_lock lock(mutex_);
+  if (!greeted_ || closed_ || !camera_ || helper.who_.device == who_.device) return;
+  const service::WatchedDevice now = watched(/*with_end=*/false);
+  if (now.walk) tell_of({&helper.who_, 1});
+  helper.send(now);
 }
 
 // ---- recording ----
@@ -715,6 +805,7 @@ service::DeviceSeen Device::seen() const {
   const std::scoped_lock lock(mutex_);
   service::DeviceSeen seen{who_.device, who_.name, greeted_ && !closed_, {}};
   if (last_result_) seen.seen = seen_of(*last_result_);
+  if (seen.seen && !settings_.may_watch) seen.seen->position.reset();
   return seen;
 }
 

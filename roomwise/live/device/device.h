@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <deque>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "roomwise/live/device/led_walk.h"
 #include "roomwise/live/device/people.h"
 #include "roomwise/live/device/teaching.h"
+#include "roomwise/live/device/walk_watch.h"
 #include "roomwise/live/recording/walk_recorder.h"
 #include "roomwise/service/credentials/identity.h"
 #include "roomwise/service/server/server.h"
@@ -72,6 +74,13 @@ class DeviceHost {
       const FrameImages& images, const std::optional<geometry::PinholeCamera>& camera) const = 0;
   // From there it is led somewhere: known until the computer closes the home, and never stored.
   virtual void sets_out(const service::Identity& who, const Eigen::Vector3d& place_gravity) = 0;
+  // Helpers who watch how others are led. This and the next are called while a device is locked:
+  // they lock no device.
+  [[nodiscard]] virtual std::vector<service::Identity> watchers(
+      const service::Identity& of) const = 0;
+  // To these.
+  virtual void shows_walk(const service::WatchedDevice& watched) = 0;
+  virtual void began_to_watch(Device& helper) = 0;
 };
 
 // A client that is connected: takes its frames and questions, answers them by what its newest frame
@@ -96,12 +105,16 @@ class Device : public std::enable_shared_from_this<Device> {
   void send(const service::HomeMessage& message);
   // Whether what it taught is looked for, or why it is not known.
   void was_taught(const std::string& name, const Expected<bool>& taught);
+  // To a helper who begins to watch: what its person lets helpers see, who is told first.
+  void show_walk_to(Device& helper);
   // The frames are stored from now on; null: no longer.
   void record_to(std::shared_ptr<WalkRecorder> recorder);
 
   [[nodiscard]] const service::Identity& who() const { return who_; }
   [[nodiscard]] bool is_here() const;  // said hello, and is connected
+  [[nodiscard]] bool watches() const { return watches_; }
   [[nodiscard]] std::optional<service::DeviceCamera> camera() const;
+  // Where it is only where its person lets helpers see that.
   [[nodiscard]] service::DeviceSeen seen() const;
   [[nodiscard]] std::uint64_t dropped() const;
 
@@ -145,7 +158,14 @@ class Device : public std::enable_shared_from_this<Device> {
   void answer_waiting(bool more_frames_wait);
   void say(const std::vector<guide::Prompt>& prompts, std::optional<std::int64_t> answer_to,
            std::optional<double> based_on_t_ms);
-  void call_out(const FrameResult& result);
+  // `came`: when the picture did.
+  void call_out(const FrameResult& result, Clock::time_point came);
+  void let_watch(bool may_watch);
+  // To helpers who watch, if there is something new. The person is told of them first.
+  void show_walk(bool in_any_case, bool with_end = true);
+  // With mutex_ held. A walk that is over is of interest to who watched it alone.
+  [[nodiscard]] service::WatchedDevice watched(bool with_end) const;
+  void tell_of(std::span<const service::Identity> watchers);
   // Tells what is wrong.
   void refuse(const Error& error, std::optional<std::int64_t> answer_to = {});
   // The same of a message that could not be read: many of these close the connection.
@@ -158,6 +178,8 @@ class Device : public std::enable_shared_from_this<Device> {
   const std::shared_ptr<service::SocketOut> out_;
   DeviceHost& host_;
 
+  std::atomic<bool> watches_{false};  // as a helper, how others are led
+
   mutable std::mutex mutex_;  // of all below but frame_processor_
   bool greeted_ = false, closed_ = false;
   std::optional<service::DeviceCamera> camera_;
@@ -165,6 +187,7 @@ class Device : public std::enable_shared_from_this<Device> {
   bool quiet_ = false;
   int unread_ = 0;                     // messages that could not be read, less those that could
   std::optional<CameraFrame> newest_;  // not looked at yet
+  Clock::time_point newest_came_;
   bool looking_ = false;
   std::uint64_t dropped_ = 0;
   std::deque<Asked> waiting_;  // for a frame that is being looked at
@@ -175,6 +198,7 @@ class Device : public std::enable_shared_from_this<Device> {
   std::optional<FrameResult> last_result_;
   Announcer announcer_;
   std::unique_ptr<LedWalk> led_;  // who is led somewhere, or was
+  WalkWatch watch_;               // of that walk, while helpers may
   std::shared_ptr<WalkRecorder> recorder_;
   bool storing_fails_ = false;
   std::shared_ptr<Teaching> teaching_;  // while a thing is shown; its pictures are taken by work()

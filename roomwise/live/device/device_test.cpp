@@ -101,6 +101,13 @@ class Host final : public DeviceHost {
     return fail_with(ErrorCode::kRefused, "not marked by this device");
   }
   void sets_out(const service::Identity&, const Eigen::Vector3d&) override {}
+  [[nodiscard]] std::vector<service::Identity> watchers(const service::Identity&) const override {
+    return watching;
+  }
+  void shows_walk(const service::WatchedDevice& watched) override {
+    walks_shown.push_back(watched);
+  }
+  void began_to_watch(Device& helper) override { began.push_back(helper.who().device); }
   [[nodiscard]] Expected<std::vector<guide::SeenPerson>> people_in(
       const FrameImages&, const std::optional<geometry::PinholeCamera>&) const override {
     if (!people) return fail("no eyes");
@@ -108,6 +115,9 @@ class Host final : public DeviceHost {
   }
 
   std::optional<std::vector<guide::SeenPerson>> people;
+  std::vector<service::Identity> watching;  // helpers
+  std::vector<service::WatchedDevice> walks_shown;
+  std::vector<std::int64_t> began;  // to watch
 
   std::vector<std::string> marked;
   std::vector<std::pair<std::string, std::size_t>> taught;
@@ -439,6 +449,134 @@ TEST_F(DeviceTest, WhoIsLedTalksToTheGuide) {
   EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "where.unknown");
 }
 
+// ---- helpers who watch ----
+
+class WatchedDeviceTest : public DeviceTest {
+ protected:
+  WatchedDeviceTest() {
+    guide::KnownThing bed;
+    bed.name = "bed";
+    bed.room = "bedroom";
+    host.home->things = {bed};
+    host.watching = {{1, "Anna's laptop", service::Role::kHelper}};
+    say(hello());
+    host.walks_shown.clear();
+    wire->texts.clear();
+  }
+  [[nodiscard]] std::vector<std::string> messages() {
+    std::vector<std::string> all;
+    for (const auto& prompt : wire->take<service::PromptMessage>()) all.push_back(prompt.message);
+    return all;
+  }
+};
+
+TEST_F(WatchedDeviceTest, WhoSaysNothingOfItIsWatchedByNobody) {
+  ask(1, 100, service::Question::kTakeMeTo, "bed");
+  for (double t_ms = 200; t_ms < 6000; t_ms += 1000) {
+    show(t_ms);
+    device->work();
+  }
+  say(service::Ask{2, 6000, service::Question::kGuide, "", false, service::GuideWish::kEnd});
+  ask(3, 6100, service::Question::kTakeMeTo, "bed");
+  EXPECT_THAT(host.walks_shown, IsEmpty()) << "nor that they are led";
+  EXPECT_THAT(messages(), ::testing::Not(::testing::Contains("watch.by")));
+}
+
+TEST_F(WatchedDeviceTest, WhoLetsHelpersWatchIsToldOfThemBeforeTheySeeAnything) {
+  say(service::SettingsChange{{}, {}, {}, {}, true});
+  ASSERT_THAT(host.walks_shown, SizeIs(1));
+  EXPECT_TRUE(host.walks_shown[0].may_watch);
+  EXPECT_FALSE(host.walks_shown[0].walk) << "nobody is led";
+  ask(1, 100, service::Question::kTakeMeTo, "bed");
+  ASSERT_THAT(host.walks_shown, SizeIs(2));
+  const auto& walk = host.walks_shown[1].walk;
+  ASSERT_TRUE(walk);
+  EXPECT_EQ(walk->goal, "bed");
+  EXPECT_EQ(walk->said.at(0).text, "I do not know where you stand. Turn slowly.");
+  EXPECT_GE(host.walks_shown[1].t_ms, walk->said[0].t_ms);
+  const auto prompts = wire->take<service::PromptMessage>();
+  ASSERT_THAT(prompts, SizeIs(2));
+  EXPECT_EQ(prompts[1].text, "Watching this walk: Anna's laptop.");
+  EXPECT_EQ(prompts[1].priority, "notice");
+  say(service::Ask{2, 400, service::Question::kGuide, "", false, service::GuideWish::kPause});
+  ASSERT_THAT(host.walks_shown, SizeIs(3));
+  EXPECT_EQ(host.walks_shown[2].walk->state, "paused");
+  EXPECT_EQ(host.walks_shown[2].walk->said.back().text, "Paused.");
+  EXPECT_THAT(messages(), ::testing::ElementsAre("guide.paused")) << "told once a walk";
+  ask(3, 500, service::Question::kTakeMeTo, "bed");
+  EXPECT_THAT(messages(), ::testing::Contains("watch.by")) << "of another walk";
+}
+
+TEST_F(WatchedDeviceTest, TheEndIsShownAndNothingAfterIt) {
+  say(service::SettingsChange{{}, {}, {}, {}, true});
+  ask(1, 100, service::Question::kTakeMeTo, "bed");
+  host.walks_shown.clear();
+  say(service::Ask{2, 400, service::Question::kGuide, "", false, service::GuideWish::kEnd});
+  ASSERT_THAT(host.walks_shown, SizeIs(1));
+  EXPECT_EQ(host.walks_shown[0].walk->state, "ended");
+  ask(3, 500, service::Question::kWhereAmI);
+  for (double t_ms = 600; t_ms < 6000; t_ms += 1000) {
+    show(t_ms);
+    device->work();
+  }
+  EXPECT_THAT(host.walks_shown, SizeIs(1));
+}
+
+TEST_F(WatchedDeviceTest, AWordEndsItAndAWordLetsThemWatchAgain) {
+  say(service::SettingsChange{{}, {}, {}, {}, true});
+  ask(1, 100, service::Question::kTakeMeTo, "bed");
+  wire->texts.clear();
+  host.walks_shown.clear();
+  ask(2, 200, service::Question::kInWords, "hide my walk");
+  EXPECT_THAT(messages(), ::testing::ElementsAre("watch.hidden"));
+  ASSERT_THAT(host.walks_shown, SizeIs(1));
+  EXPECT_FALSE(host.walks_shown[0].may_watch);
+  EXPECT_FALSE(host.walks_shown[0].walk);
+  say(service::Ask{3, 300, service::Question::kGuide, "", false, service::GuideWish::kPause});
+  EXPECT_THAT(host.walks_shown, SizeIs(1));
+  wire->texts.clear();
+  ask(4, 400, service::Question::kShowWalks);
+  EXPECT_THAT(messages(), ::testing::ElementsAre("watch.shown", "watch.by"));
+  ASSERT_THAT(host.walks_shown, SizeIs(2));
+  ASSERT_TRUE(host.walks_shown[1].walk);
+  EXPECT_THAT(host.walks_shown[1].walk->said, IsEmpty()) << "what was said while they might not";
+}
+
+TEST_F(WatchedDeviceTest, AHelperWhoComesLaterSeesWhatIsAndThePersonIsTold) {
+  say(service::SettingsChange{{}, {}, {}, {}, true});
+  host.watching.clear();
+  ask(1, 100, service::Question::kTakeMeTo, "bed");
+  EXPECT_THAT(messages(), ::testing::ElementsAre("route.no_place"));
+  const auto page_wire = std::make_shared<Wire>();
+  Device page({1, "Anna's laptop", service::Role::kHelper}, page_wire, host);
+  device->show_walk_to(page);
+  EXPECT_THAT(messages(), ::testing::ElementsAre("watch.by"));
+  const auto seen = page_wire->take<service::WatchedDevice>();
+  ASSERT_THAT(seen, SizeIs(1));
+  EXPECT_TRUE(seen[0].walk);
+  say(service::Ask{2, 200, service::Question::kGuide, "", false, service::GuideWish::kEnd});
+  device->show_walk_to(page);
+  EXPECT_FALSE(page_wire->take<service::WatchedDevice>().at(0).walk) << "it is over";
+}
+
+TEST_F(DeviceTest, OnlyHelpersMayWatch) {
+  say(hello());
+  wire->texts.clear();
+  say(service::Watch{true});
+  EXPECT_EQ(wire->take<service::ErrorMessage>().at(0).text, "only helpers may watch");
+  EXPECT_FALSE(device->watches());
+  EXPECT_THAT(host.began, IsEmpty());
+  const auto page_wire = std::make_shared<Wire>();
+  const auto page = std::make_shared<Device>(
+      service::Identity{1, "Anna's laptop", service::Role::kHelper}, page_wire, host);
+  page->on_text(write(service::DeviceMessage(hello(/*has_camera=*/false))));
+  page->on_text(write(service::DeviceMessage(service::Watch{true})));
+  EXPECT_TRUE(page->watches());
+  EXPECT_THAT(host.began, SizeIs(1));
+  page->on_text(write(service::DeviceMessage(service::Watch{false})));
+  EXPECT_FALSE(page->watches());
+}
+
 TEST_F(DeviceTest, WhatAFrameHasToSayComesBeforeWhatItTold) {
   guide::KnownThing bed;
   bed.name = "bed";
@@ -594,6 +732,35 @@ TEST_F(DeviceWithPlacesTest, WhoIsLedAndCloseToItIsToldWhereTheGoalIsWithEachPic
   told = look_at(image::ColorImage(picture().width(), picture().height()), t_ms);
   ASSERT_TRUE(told.seen && !told.seen->position);
   EXPECT_FALSE(told.aim);
+}
+
+TEST_F(DeviceWithPlacesTest, HelpersSeeWhereSomebodyIsOnlyWhereThatPersonSaysSo) {
+  host.watching = {{1, "Anna's laptop", service::Role::kHelper}};
+  ViewedSpot& spot = host.home->spots.emplace_back();
+  spot.stored.name = spot.thing.name = "my chair";
+  const Told here = look_at(picture(), 1000);
+  ASSERT_TRUE(here.seen && here.seen->position);
+  spot.thing.position_gravity =
+      Eigen::Vector3d(here.seen->position->x_m + 3, here.seen->position->y_m, 1);
+  host.walks_shown.clear();
+  ask(1, 1100, service::Question::kTakeMeTo, "my chair");
+  (void)look_at(picture(), 1400);
+  EXPECT_FALSE(device->seen().seen->position);
+  say(service::SettingsChange{{}, {}, {}, {}, true});
+  (void)look_at(picture(), 1800);
+  ASSERT_TRUE(device->seen().seen->position);
+  ask(2, 1900, service::Question::kTakeMeTo, "my chair");
+  (void)look_at(picture(), 2200);
+  say(service::Ask{3, 2300, service::Question::kGuide, "", false, service::GuideWish::kPause});
+  const auto& walk = host.walks_shown.back().walk;
+  ASSERT_TRUE(walk && walk->person);
+  EXPECT_EQ(walk->goal, "my chair");
+  EXPECT_NEAR(walk->person->x_m, here.seen->position->x_m, 0.05);
+  EXPECT_NEAR(walk->person->heading_degrees, here.seen->position->heading_degrees, 3);
+  ASSERT_GE(walk->way.size(), 2U);
+  EXPECT_NEAR(walk->way.back().x(), spot.thing.position_gravity->x(), 0.5);
+  ASSERT_TRUE(walk->left_m);
+  EXPECT_NEAR(*walk->left_m, 3, 0.5);
 }
 
 TEST_F(DeviceTest, AQuestionInWordsIsAnsweredAsByItsButton) {

@@ -168,6 +168,17 @@ std::optional<service::Aim> LedWalk::aim(double taken_t_ms) const {
                       taken_t_ms + kValid_ms};
 }
 
+service::WatchedWalk LedWalk::watched() const {
+  service::WatchedWalk walk;
+  const guide::Wording wording = wording_of(settings_);
+  walk.language = wording.phrases().language();
+  walk.goal = wording.phrases().called(guidance_->goal().noun);
+  walk.state = guide::to_string(guidance_->course());
+  walk.left_m = guidance_->left_m();
+  if (!is_over()) walk.way = guidance_->plan().route;
+  return walk;
+}
+
 guide::Prompt LedWalk::hear(service::GuideWish wish, double now_t_ms) {
   using service::GuideWish;
   const auto request = [&] {

@@ -30,6 +30,8 @@ class LedWalk {
   [[nodiscard]] bool is_over() const { return guidance_->is_over(); }
   // By the picture that was looked at last, of that time (guide::Guidance).
   [[nodiscard]] std::optional<service::Aim> aim(double taken_t_ms) const;
+  // But for who is led and what was said.
+  [[nodiscard]] service::WatchedWalk watched() const;
   // Of what is in the way (guide::Guidance).
   [[nodiscard]] bool judges_obstacles() const { return guidance_->judges_obstacles(now_ns_); }
 

@@ -45,7 +45,7 @@ bool can_be_tried(service::Question question) {
       Question::kInWords,      Question::kNameRoom,    Question::kTeachThing, Question::kNameThing,
       Question::kStopTeaching, Question::kForgetThing, Question::kShareThing, Question::kKeepThing,
       Question::kMarkSpot,     Question::kWhichSpots,  Question::kForgetSpot, Question::kRenameSpot,
-      Question::kWhoIsHere,    Question::kIsItLight};
+      Question::kWhoIsHere,    Question::kIsItLight,   Question::kShowWalks,  Question::kHideWalks};
   return std::ranges::find(kOthers, question) == kOthers.end();
 }
 

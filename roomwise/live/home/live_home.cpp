@@ -227,6 +227,26 @@ bool LiveHome::is_at_work() const {
   return jobs_->running();
 }
 
+// ---- helpers who watch ----
+
+std::vector<service::Identity> LiveHome::watchers(const service::Identity& of) const {
+  std::vector<service::Identity> watchers;
+  for (const auto& one : all_devices()) {
+    if (one->watches() && one->who().device != of.device) watchers.push_back(one->who());
+  }
+  return watchers;
+}
+
+void LiveHome::shows_walk(const service::WatchedDevice& watched) {
+  for (const auto& one : all_devices()) {
+    if (one->watches() && one->who().device != watched.device) one->send(watched);
+  }
+}
+
+void LiveHome::began_to_watch(Device& helper) {
+  for (const auto& one : all_devices()) one->show_walk_to(helper);
+}
+
 // ---- what happened ----
 
 void LiveHome::watch_disk() {

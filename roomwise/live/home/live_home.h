@@ -206,6 +206,9 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
     return live::people_in(images, camera, finders_.in_pictures);
   }
   void sets_out(const service::Identity& who, const Eigen::Vector3d& place_gravity) override;
+  [[nodiscard]] std::vector<service::Identity> watchers(const service::Identity& of) const override;
+  void shows_walk(const service::WatchedDevice& watched) override;
+  void began_to_watch(Device& helper) override;
   // Runs `change` on the home and shows what came of spots, and of nothing else.
   [[nodiscard]] Expected<void> change_spots(
       const std::function<Expected<void>(home::Home&)>& change);

@@ -56,11 +56,13 @@ class WaitingWire final : public service::SocketOut {
 
   // Of the messages that came and were not taken.
   template <typename T>
-  [[nodiscard]] int count() {
+  [[nodiscard]] int count(const std::function<bool(const T&)>& fits = [](const T&) {
+    return true;
+  }) {
     const std::scoped_lock lock(mutex_);
-    return static_cast<int>(std::ranges::count_if(texts_, [](const std::string& text) {
+    return static_cast<int>(std::ranges::count_if(texts_, [&](const std::string& text) {
       const auto message = service::read_home_message(text);
-      return message && std::holds_alternative<T>(*message);
+      return message && std::holds_alternative<T>(*message) && fits(std::get<T>(*message));
     }));
   }
 
@@ -684,6 +686,66 @@ TEST_F(LiveHomeTest, HelpersAreToldOfJobsAndDevices) {
                      return one.device == 7 && !one.online;
                    })
                    .online);
+}
+
+TEST_F(LiveHomeTest, HelpersWhoWatchAndNobodyElseSeeAWalkWhosePersonLetsThem) {
+  open();
+  record_the_walk();
+  const Client belt = connect(7, service::Role::kDevice);
+  const Client page = connect(1, service::Role::kHelper);
+  const Client reader = connect(2, service::Role::kHelper);  // who looks at other things
+  const auto tell = [](const Client& client, const service::DeviceMessage& message) {
+    client.session->on_text(write(message));
+  };
+  double t_ms = 0;
+  const auto look = [&] {  // until all that comes of the picture was sent
+    const auto frame = pipeline::testing::SyntheticWalk(kFrames).next().value();
+    const Bytes color = image::encode_jpeg(frame->color, 95);
+    const Bytes depth = image::encode_png(frame->depth);
+    belt.session->on_message(write(service::FrameMessage{t_ms += 400, color, depth}));
+    (void)belt.wire->next<service::Seen>(
+        [&](const service::Seen& seen) { return seen.t_ms == t_ms; });
+  };
+  tell(page, service::Watch{true});
+  const auto is_of_belt = [](const service::WatchedDevice& one) { return one.device == 7; };
+  EXPECT_FALSE(page.wire->next<service::WatchedDevice>(is_of_belt).may_watch);
+  look();
+  tell(belt, service::Ask{1, t_ms, service::Question::kMarkSpot, "my chair"});
+  tell(belt, service::Ask{2, t_ms, service::Question::kTakeMeTo, "my chair"});
+  for (int i = 0; i < 5; ++i) look();
+  EXPECT_FALSE(page.wire
+                   ->next<service::DeviceSeen>([](const service::DeviceSeen& one) {
+                     return one.device == 7 && one.seen && one.seen->t_ms == 400;
+                   })
+                   .seen->position);
+  EXPECT_EQ(page.wire->count<service::WatchedDevice>(is_of_belt), 0);
+
+  tell(belt, service::SettingsChange{{}, {}, {}, {}, true});
+  EXPECT_TRUE(page.wire->next<service::WatchedDevice>(is_of_belt).may_watch);
+  tell(belt, service::Ask{3, t_ms, service::Question::kTakeMeTo, "my chair"});
+  const auto led = page.wire->next<service::WatchedDevice>(
+      [](const service::WatchedDevice& one) { return one.walk.has_value(); });
+  EXPECT_EQ(led.walk->goal, "my chair");
+  const auto told = belt.wire->next<service::PromptMessage>(
+      [](const service::PromptMessage& one) { return one.message == "watch.by"; });
+  EXPECT_THAT(told.text, HasSubstr("client"));
+  tell(reader, service::Watch{true});  // now they do, too
+  EXPECT_TRUE(reader.wire->next<service::WatchedDevice>(is_of_belt).may_watch);
+  tell(reader, service::Watch{false});
+
+  tell(belt, service::Ask{4, t_ms, service::Question::kHideWalks, ""});
+  EXPECT_FALSE(page.wire
+                   ->next<service::WatchedDevice>([](const service::WatchedDevice& one) {
+                     return one.device == 7 && !one.may_watch;
+                   })
+                   .walk);
+  for (int i = 0; i < 3; ++i) look();
+  EXPECT_EQ(page.wire->count<service::WatchedDevice>(is_of_belt), 0);
+  EXPECT_EQ(belt.wire->count<service::WatchedDevice>(), 0) << "helpers alone";
+  EXPECT_EQ(reader.wire->count<service::WatchedDevice>(is_of_belt), 0);
+  for (const Client& one : {std::cref(belt), std::cref(page), std::cref(reader)}) {
+    one.session->on_closed();
+  }
 }
 
 // Every request that sees or changes the home needs somebody who may, as docs/protocol.md says.

@@ -10,7 +10,7 @@ constexpr std::array<Word<DeviceKind>, 3> kKinds{{{"phone", DeviceKind::kPhone},
                                                   {"page", DeviceKind::kPage}}};
 constexpr std::array<Word<Distances>, 2> kDistances{
     {{"metres", Distances::kMetres}, {"steps", Distances::kSteps}}};
-constexpr std::array<Word<Question>, 30> kQuestions{{{"where_am_i", Question::kWhereAmI},
+constexpr std::array<Word<Question>, 32> kQuestions{{{"where_am_i", Question::kWhereAmI},
                                                      {"around_me", Question::kAroundMe},
                                                      {"where_is", Question::kWhereIs},
                                                      {"way_to", Question::kWayTo},
@@ -39,7 +39,9 @@ constexpr std::array<Word<Question>, 30> kQuestions{{{"where_am_i", Question::kW
                                                      {"forget_spot", Question::kForgetSpot},
                                                      {"rename_spot", Question::kRenameSpot},
                                                      {"who_is_here", Question::kWhoIsHere},
-                                                     {"is_it_light", Question::kIsItLight}}};
+                                                     {"is_it_light", Question::kIsItLight},
+                                                     {"show_walks", Question::kShowWalks},
+                                                     {"hide_walks", Question::kHideWalks}}};
 constexpr std::array<Word<GuideWish>, 6> kWishes{{{"pause", GuideWish::kPause},
                                                   {"resume", GuideWish::kResume},
                                                   {"how_far", GuideWish::kHowFar},
@@ -93,6 +95,7 @@ SettingsChange read_settings(Members& members) {
   if (members.has("distances")) change.distances = members.one_of("distances", kDistances);
   if (members.has("step_m")) change.step_m = members.number("step_m", 0.2, 1.5);
   if (members.has("callouts")) change.callouts = members.yes_or_no("callouts");
+  if (members.has("may_watch")) change.may_watch = members.yes_or_no("may_watch");
   return change;
 }
 
@@ -180,6 +183,7 @@ void apply(const SettingsChange& change, SpeakingSettings& settings) {
   if (change.distances) settings.distances = *change.distances;
   if (change.step_m) settings.step_m = *change.step_m;
   if (change.callouts) settings.callouts = *change.callouts;
+  if (change.may_watch) settings.may_watch = *change.may_watch;
 }
 
 std::string_view to_string(Question question) {
@@ -195,7 +199,8 @@ Expected<DeviceMessage> read_device_message(std::string_view text) {
   if (type == "ask") return read_ask(json);
   if (type == "settings") return members.finish<DeviceMessage>(read_settings(members));
   if (type == "quiet") return members.finish<DeviceMessage>(Quiet{members.yes_or_no("on")});
-  return fail("'{}' is no type of a message; expected hello, ask, settings or quiet", type);
+  if (type == "watch") return members.finish<DeviceMessage>(Watch{members.yes_or_no("on")});
+  return fail("'{}' is no type of a message; expected hello, ask, settings, quiet or watch", type);
 }
 
 std::optional<std::int64_t> id_of_ask(std::string_view text) {
@@ -214,6 +219,7 @@ void write_settings(const SettingsChange& change, OrderedJson& json) {
   if (change.distances) json["distances"] = word_of(kDistances, *change.distances);
   if (change.step_m) json["step_m"] = *change.step_m;
   if (change.callouts) json["callouts"] = *change.callouts;
+  if (change.may_watch) json["may_watch"] = *change.may_watch;
 }
 
 OrderedJson camera_json(const DeviceCamera& camera) {
@@ -238,7 +244,7 @@ OrderedJson to_json(const Hello& hello) {
                    {"kind", word_of(kKinds, hello.kind)},
                    {"camera", hello.camera ? camera_json(*hello.camera) : OrderedJson(nullptr)}};
   const SpeakingSettings& all = hello.settings;
-  write_settings({all.language, all.distances, all.step_m, all.callouts}, json);
+  write_settings({all.language, all.distances, all.step_m, all.callouts, all.may_watch}, json);
   return json;
 }
 
@@ -268,6 +274,10 @@ OrderedJson to_json(const SettingsChange& change) {
 
 OrderedJson to_json(const Quiet& quiet) {
   return {{"type", "quiet"}, {"on", quiet.on}};
+}
+
+OrderedJson to_json(const Watch& watch) {
+  return {{"type", "watch"}, {"on", watch.on}};
 }
 
 }  // namespace

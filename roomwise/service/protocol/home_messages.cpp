@@ -90,6 +90,37 @@ OrderedJson to_json(const DeviceSeen& device) {
           {"seen", device.seen ? to_json(*device.seen) : OrderedJson(nullptr)}};
 }
 
+OrderedJson to_json(const WatchedWalk& walk) {
+  OrderedJson person;
+  if (const auto& at = walk.person) {
+    person = {{"t", at->t_ms},
+              {"x", at->x_m},
+              {"y", at->y_m},
+              {"heading_degrees", at->heading_degrees},
+              {"sigma_m", at->sigma_m}};
+  }
+  OrderedJson way = OrderedJson::array();
+  for (const Eigen::Vector2d& corner : walk.way) way.push_back({corner.x(), corner.y()});
+  OrderedJson said = OrderedJson::array();
+  for (const auto& [t_ms, text] : walk.said) said.push_back({{"t", t_ms}, {"text", text}});
+  return {{"language", walk.language},
+          {"goal", walk.goal},
+          {"state", walk.state},
+          {"person", person},
+          {"left_m", or_null(walk.left_m)},
+          {"way", std::move(way)},
+          {"said", std::move(said)}};
+}
+
+OrderedJson to_json(const WatchedDevice& watched) {
+  return {{"type", "led_walk"},
+          {"device", watched.device},
+          {"name", watched.name},
+          {"t", watched.t_ms},
+          {"may_watch", watched.may_watch},
+          {"walk", watched.walk ? to_json(*watched.walk) : OrderedJson(nullptr)}};
+}
+
 OrderedJson to_json(const ErrorMessage& error) {
   return {{"type", "error"}, {"text", error.text}, {"answer_to", or_null(error.answer_to)}};
 }
@@ -221,6 +252,57 @@ Expected<HomeMessage> read_device_seen(const OrderedJson& json) {
   return members.finish<HomeMessage>(std::move(device));
 }
 
+Expected<WatchedWalk> read_watched_walk(const OrderedJson& json) {
+  Members members(json);
+  WatchedWalk walk;
+  walk.language = members.text("language");
+  walk.goal = members.text("goal");
+  walk.state = members.text("state");
+  if (members.has("person")) {
+    if (const OrderedJson* const person = members.object("person")) {
+      Members at(*person);
+      walk.person = {at.number("t", -kMaxTime_ms, kMaxTime_ms), at.number("x", -1e4, 1e4),
+                     at.number("y", -1e4, 1e4), at.number("heading_degrees", -360, 360),
+                     at.number("sigma_m", 0, 1e4)};
+      if (at.error()) return Unexpected(Error(*at.error()));
+    }
+  }
+  if (members.has("left_m")) walk.left_m = members.number("left_m", 0, 1e4);
+  const auto list = [&](const char* name) {
+    if (!json.contains(name) || !json.at(name).is_array()) members.wrong(name, "a list");
+    return members.error() ? OrderedJson::array() : json.at(name);
+  };
+  for (const OrderedJson& one : list("way")) {
+    const OrderedJson corner{{"corner", one}};
+    Members of_way(corner);
+    const auto at = of_way.numbers("corner", 2, -1e4, 1e4);
+    if (of_way.error()) return fail("'way': {}", of_way.error()->message);
+    walk.way.emplace_back(at[0], at[1]);
+  }
+  for (const OrderedJson& one : list("said")) {
+    Members said(one);
+    walk.said.push_back(
+        {said.number("t", -kMaxTime_ms, kMaxTime_ms), said.text("text", kMaxSentenceBytes)});
+    if (said.error()) return fail("'said': {}", said.error()->message);
+  }
+  return members.finish(std::move(walk));
+}
+
+Expected<HomeMessage> read_watched(const OrderedJson& json) {
+  Members members(json);
+  WatchedDevice watched;
+  watched.device = members.whole("device", -kMaxWhole, kMaxWhole);
+  watched.name = members.text("name");
+  watched.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
+  watched.may_watch = members.yes_or_no("may_watch");
+  if (members.has("walk")) {
+    if (const OrderedJson* const walk = members.object("walk")) {
+      ROOMWISE_TRY(watched.walk, read_watched_walk(*walk));
+    }
+  }
+  return members.finish<HomeMessage>(std::move(watched));
+}
+
 Expected<HomeMessage> read_error(const OrderedJson& json) {
   Members members(json);
   ErrorMessage error;
@@ -255,6 +337,7 @@ Expected<HomeMessage> read_home_message(std::string_view text) {
   if (type == "recording") return read_recording(json);
   if (type == "job") return read_job(json);
   if (type == "device") return read_device_seen(json);
+  if (type == "led_walk") return read_watched(json);
   if (type == "error") return read_error(json);
   return fail("'{}' is no type of a message that this device knows", type);
 }

@@ -36,7 +36,8 @@ struct SpeakingSettings {
   std::string language = "en";  // BCP 47
   Distances distances = Distances::kMetres;
   double step_m = 0.7;
-  bool callouts = true;  // is told of a room that is entered without asking
+  bool callouts = true;    // is told of a room that is entered without asking
+  bool may_watch = false;  // helpers see where they are, and on what way they are led
 
   friend bool operator==(const SpeakingSettings&, const SpeakingSettings&) = default;
 };
@@ -91,6 +92,8 @@ enum class Question {
   kRenameSpot,
   kWhoIsHere,  // whether somebody is in the picture
   kIsItLight,  // in the picture
+  kShowWalks,  // helpers may watch from now on
+  kHideWalks,
 };
 [[nodiscard]] std::string_view to_string(Question question);  // as the protocol calls it
 // What there is to say to a guide on the way.
@@ -118,13 +121,19 @@ struct SettingsChange {
   std::optional<Distances> distances;
   std::optional<double> step_m;
   std::optional<bool> callouts;
+  std::optional<bool> may_watch = std::nullopt;
 };
 
 struct Quiet {
   bool on = false;
 };
 
-using DeviceMessage = std::variant<Hello, Ask, SettingsChange, Quiet>;
+// A helper looks at the walks on which people are led, or does so no more.
+struct Watch {
+  bool on = false;
+};
+
+using DeviceMessage = std::variant<Hello, Ask, SettingsChange, Quiet, Watch>;
 
 [[nodiscard]] Expected<DeviceMessage> read_device_message(std::string_view json);
 [[nodiscard]] std::string write(const DeviceMessage& message);
@@ -247,6 +256,36 @@ struct DeviceSeen {
   std::optional<Seen> seen;
 };
 
+// What a helper who watches sees of somebody who is led. Its times are of the computer's steady
+// clock, for their differences alone.
+struct WatchedWalk {
+  struct Person {
+    double t_ms = 0;          // when the picture came
+    double x_m = 0, y_m = 0;  // on the plan
+    double heading_degrees = 0;
+    double sigma_m = 0;
+  };
+  struct Said {
+    double t_ms = 0;
+    std::string text;
+  };
+  std::string language;  // of goal and said
+  std::string goal;
+  std::string state;                 // to_string(guide::Course)
+  std::optional<Person> person;      // by the newest picture that told
+  std::optional<double> left_m;      // of the way
+  std::vector<Eigen::Vector2d> way;  // its corners on the plan
+  std::vector<Said> said;            // the newest last
+};
+
+struct WatchedDevice {
+  std::int64_t device = 0;
+  std::string name;
+  double t_ms = 0;         // when this was so: of two messages the later one holds
+  bool may_watch = false;  // its person says so; else there is no walk here, whether or not they go
+  std::optional<WatchedWalk> walk = std::nullopt;  // absent: they are not led
+};
+
 struct ErrorMessage {
   std::string text;
   std::optional<std::int64_t> answer_to;
@@ -254,7 +293,7 @@ struct ErrorMessage {
 
 // What a device needs to understand; the rest is for pages.
 using HomeMessage = std::variant<Welcome, FrameArrived, Seen, Aim, PromptMessage, RecordingState,
-                                 JobState, DeviceSeen, ErrorMessage>;
+                                 JobState, DeviceSeen, WatchedDevice, ErrorMessage>;
 
 [[nodiscard]] std::string write(const HomeMessage& message);
 // The message `home` is read as a Welcome. Fails on types that are not known, naming them.

@@ -31,6 +31,11 @@ std::string error_of(std::string_view text) {
   return read ? "" : read.error().message;
 }
 
+WatchedWalk watched_walk() {
+  return {
+      "en", "bed", "on_way", {{12, 1, 2, 90, 0.1}}, 3.2, {{1, 2}, {3, 4}}, {{11, "Turn right."}}};
+}
+
 TEST(Messages, HelloComesBack) {
   Hello hello;
   hello.version = 1;
@@ -111,12 +116,16 @@ TEST(Messages, QuestionsComeBackWithTheirSubject) {
             GuideWish::kBlocked);
   EXPECT_EQ(read_back<Ask>(Ask{9, 1, Question::kNameRoom, "kitchen"}).subject, "kitchen");
   EXPECT_TRUE(read_back<Quiet>(Quiet{true}).on);
+  EXPECT_TRUE(read_back<Watch>(Watch{true}).on);
 }
 
 TEST(Messages, SettingsChangeOnlyWhatTheyName) {
   SpeakingSettings settings{"en", Distances::kMetres, 0.7, true};
   apply(read_back<SettingsChange>(SettingsChange{{}, Distances::kSteps, {}, {}}), settings);
   EXPECT_EQ(settings, (SpeakingSettings{"en", Distances::kSteps, 0.7, true}));
+  EXPECT_FALSE(settings.may_watch) << "of who says nothing";
+  apply(read_back<SettingsChange>(SettingsChange{{}, {}, {}, {}, true}), settings);
+  EXPECT_TRUE(settings.may_watch);
 }
 
 TEST(Messages, WhatTheComputerSaysComesBack) {
@@ -160,6 +169,20 @@ TEST(Messages, WhatTheComputerSaysComesBack) {
   EXPECT_EQ(job.values, values);
   EXPECT_TRUE(read_back_home<DeviceSeen>(DeviceSeen{3, "phone", true, seen}).seen);
   EXPECT_EQ(read_back_home<ErrorMessage>(ErrorMessage{"no", 4}).answer_to, 4);
+
+  WatchedDevice watched{3, "phone", 12.5, true, {}};
+  EXPECT_FALSE(read_back_home<WatchedDevice>(watched).walk);
+  watched.walk = watched_walk();
+  const auto walk = read_back_home<WatchedDevice>(watched).walk;
+  ASSERT_TRUE(walk);
+  EXPECT_EQ(walk->language, "en");
+  EXPECT_EQ(walk->goal, "bed");
+  ASSERT_TRUE(walk->person);
+  EXPECT_EQ(walk->person->heading_degrees, 90);
+  EXPECT_EQ(walk->left_m, 3.2);
+  EXPECT_EQ(walk->way, watched.walk->way);
+  ASSERT_EQ(walk->said.size(), 1U);
+  EXPECT_EQ(walk->said[0].text, "Turn right.");
 }
 
 TEST(Messages, AChangedHomeIsReadAsAWelcome) {
@@ -185,11 +208,13 @@ TEST(Messages, AreAsTheSchemaSays) {
   for (const std::string& written :
        {write(DeviceMessage(hello)), write(DeviceMessage(Ask{8, 1, Question::kWhereIs, "bed"})),
         write(DeviceMessage(Ask{8, 1, Question::kMarkSpot, "my chair"})), write(DeviceMessage(out)),
-        write(DeviceMessage(SettingsChange{"de", Distances::kSteps, 0.6, true})),
-        write(DeviceMessage(Quiet{true})), write(HomeMessage(Welcome{})),
-        write_home_changed(Welcome{}), write(HomeMessage(FrameArrived{})), write(HomeMessage(seen)),
-        write(HomeMessage(Aim{})), write(HomeMessage(prompt)), write(HomeMessage(RecordingState{})),
+        write(DeviceMessage(SettingsChange{"de", Distances::kSteps, 0.6, true, true})),
+        write(DeviceMessage(Watch{true})), write(DeviceMessage(Quiet{true})),
+        write(HomeMessage(Welcome{})), write_home_changed(Welcome{}),
+        write(HomeMessage(FrameArrived{})), write(HomeMessage(seen)), write(HomeMessage(Aim{})),
+        write(HomeMessage(prompt)), write(HomeMessage(RecordingState{})),
         write(HomeMessage(JobState{})), write(HomeMessage(DeviceSeen{3, "a", true, seen})),
+        write(HomeMessage(WatchedDevice{3, "a", 1, true, watched_walk()})),
         write(HomeMessage(ErrorMessage{}))}) {
     const auto message = nlohmann::json::parse(written);
     const auto& definition = schema.at(message.at("type").get<std::string>());

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "roomwise/guide/prompt.h"
+#include "roomwise/live/device/frame_processor.h"
+#include "roomwise/service/credentials/identity.h"
+#include "roomwise/service/protocol/messages.h"
+
+namespace roomwise::live {
+
+// What helpers are shown of one walk on which somebody is led, and who was told that they are. In
+// memory alone. Times are of any steady clock.
+class WalkWatch {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  // Of these prompts what the guide said or warns of.
+  void say(std::span<const guide::Prompt> prompts, Time now);
+  // By a picture that came then.
+  void place(const CameraPose& pose, Time came);
+
+  // With the place and what was said; of `walk` the rest.
+  [[nodiscard]] service::WatchedWalk shown(service::WatchedWalk walk) const;
+  // Whether it tells something new; of pictures alone two a second do. `is_over`: where they go
+  // after that is nobody's business.
+  [[nodiscard]] bool is_due(const service::WatchedWalk& walk, bool is_over, Time now) const;
+  void was_shown(const service::WatchedWalk& walk, Time now);
+
+  // Of those who watch the names of whom the person was not told on this walk: they are from now
+  // on.
+  [[nodiscard]] std::vector<std::string> to_tell(std::span<const service::Identity> watchers);
+
+ private:
+  std::optional<service::WatchedWalk::Person> person_;
+  std::deque<service::WatchedWalk::Said> said_;
+  std::uint64_t said_count_ = 0, said_shown_ = 0;
+  std::string shown_state_;
+  std::optional<Time> shown_at_;
+  std::set<std::int64_t> told_;  // devices
+};
+
+// Milliseconds of that clock, as the protocol has them.
+[[nodiscard]] double to_ms(WalkWatch::Time time);
+
+}  // namespace roomwise::live
