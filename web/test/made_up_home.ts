@@ -1,5 +1,5 @@
 // A home of four rooms that nobody lives in: what the computer would answer of it.
-import type { Coverage, Home, Keyframe, Plan, Point, RoomRange, Thing } from '../src/shared/protocol';
+import type { Coverage, Home, Keyframe, Plan, Point, RoomRange, Thing, WatchedDevice, WatchedWalk } from '../src/shared/protocol';
 
 // Rooms as rectangles on the floor, metres: x, y, width, depth.
 const kRooms: Record<string, [number, number, number, number]> = {
@@ -45,6 +45,19 @@ export function makePlan(): Plan {
       { rooms: ['bathroom', 'corridor'], middle: [4, 1.5], width_m: 0.8, door: true },
       { rooms: ['bedroom', 'corridor'], middle: [5.5, 1.5], width_m: 0.9, door: true },
     ],
+  };
+}
+
+// Of somebody who is led from the kitchen to the bed, at a time of the computer's clock.
+export function madeUpWalk(t: number, more: Partial<WatchedDevice> = {}, now: Partial<WatchedWalk> = {}): WatchedDevice {
+  return {
+    type: 'led_walk', device: 3, name: "Anna's phone", t, may_watch: true,
+    walk: {
+      language: 'en', goal: 'bed', state: 'on_way', person: { t: t - 100, x: 1.9, y: 2.1, heading_degrees: -120, sigma_m: 0.12 }, left_m: 6.43,
+      way: [[1.9, 2.1], [1.5, 1.5], [1.7, 0.9], [5.3, 0.9], [5.5, 1.5], [6.3, 2.7]],
+      said: [{ t: 400, text: 'To the bed: about 6 metres.' }, { t: 900, text: 'Turn right, to the door.' }], ...now,
+    },
+    ...more,
   };
 }
 

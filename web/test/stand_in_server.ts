@@ -211,6 +211,8 @@ function answerTo(message: Record<string, unknown>): Prompt {
       return makePrompt({ answer_to, ...kBegins, text: 'Turn right, then three metres straight on.' });
     case 'mark_spot':
       return makePrompt({ answer_to, key: 'spot', message: 'spot.marked', text: `${String(message['spot'] ?? 'This place')} is marked here.` });
+    case 'hide_walks':
+      return makePrompt({ answer_to, key: 'watch', message: 'watch.hidden', text: 'Nobody watches your walks.' });
     case 'name_room':
       return makePrompt({ answer_to, key: 'named', text: `This room is called ${String(message['room'])} now.` });
     default:

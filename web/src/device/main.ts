@@ -133,6 +133,7 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
     failed: (why) => phone.say(why === 'refused' ? 'device.microphone_refused' : 'device.not_understood', 'answer'),
   });
   phone.whenAsked = () => speak.stop();
+  phone.whenSettled = () => saveSettings(window.localStorage, settings);
   phone.whenAimed = (aim) => (aim !== null && settings.aim ? aims.hear(aim) : aims.stop());
   void localHearing(language(), navigator.languages).then((hearing) => speak.offer(hearing));
   const nameThing = (): void => openTeach((thing, isPrivate) =>
@@ -157,6 +158,7 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
     }),
     askInWords: () => openWords(speak, ask),
     guide: (wish) => phone.ask({ question: 'guide', wish }),
+    hideWalks: () => phone.hideWalks(),
     nameRoom: () => openChoice({
       title: text('name_room.title'), label: text('name_room.label'), go: text('name_room.go'),
       missing: text('name_room.missing'),

@@ -41,6 +41,7 @@ export interface PhoneState {
   waits: boolean; // a recording, for this phone's pictures
   quiet: boolean;
   led: boolean; // is being led somewhere
+  mayWatch: boolean; // helpers, how somebody is led
   teaching: Teaching;
 }
 
@@ -51,7 +52,7 @@ function thingOf(thing: string, room: string | undefined): { thing: string; in?:
 export class Phone {
   readonly state: PhoneState = {
     home: '', rooms: [], things: [], thingsInRooms: [], spots: [], online: false, camera: 'off', recording: null, pictures: 0, isWalking: false, waits: false, quiet: false,
-    led: false, teaching: 'no',
+    led: false, mayWatch: false, teaching: 'no',
   };
   private readonly session: Session;
   private readonly sender = new FrameSender();
@@ -75,6 +76,7 @@ export class Phone {
   whenRecording: (state: RecordingState['state']) => void = () => undefined;
   whenJob: (job: Job) => void = () => undefined;
   whenShown: () => void = () => undefined; // enough of a thing to name it
+  whenSettled: () => void = () => undefined; // a word changed the settings
   whenAsked: () => void = () => undefined; // before any question is: who listens ends that
   whenAimed: (aim: Aim | null) => void = () => undefined; // null: what was told before holds no longer
 
@@ -87,6 +89,7 @@ export class Phone {
     private readonly whoAmI: () => Promise<Me | 'not paired' | null>, // asks the computer; null: not reached
   ) {
     this.device = me?.device ?? null;
+    this.state.mayWatch = settings.mayWatch;
     this.session = browserSession({
       hello: () => this.hello(),
       onMessage: (message) => this.receive(message),
@@ -169,8 +172,10 @@ export class Phone {
   }
 
   settingsChanged(): void {
-    const { distances, step_m, callouts } = this.settings;
-    this.session.send({ type: 'settings', language: language(), distances, step_m, callouts });
+    const { distances, step_m, callouts, mayWatch } = this.settings;
+    this.session.send({ type: 'settings', language: language(), distances, step_m, callouts, may_watch: mayWatch });
+    this.state.mayWatch = mayWatch;
+    this.changed();
   }
 
   say(key: SpokenKey, priority: Priority = 'notice'): void {
@@ -198,13 +203,26 @@ export class Phone {
   }
 
   private hello(): Hello {
-    const { distances, step_m, callouts } = this.settings;
+    const { distances, step_m, callouts, mayWatch } = this.settings;
     const camera = this.camera.description;
     this.helloCamera = JSON.stringify(camera);
     return {
       type: 'hello', version: kProtocolVersion, name: this.me?.name ?? text('phone.unnamed'), kind: 'phone', camera,
-      language: language(), distances, step_m, callouts,
+      language: language(), distances, step_m, callouts, may_watch: mayWatch,
     };
+  }
+
+  // Kept, whether or not the computer hears of it now.
+  hideWalks(): void {
+    this.letWatch(false);
+    this.ask({ question: 'hide_walks' });
+  }
+
+  private letWatch(may: boolean): void {
+    this.settings.mayWatch = may;
+    this.state.mayWatch = may;
+    this.whenSettled();
+    this.changed();
   }
 
   private receive(message: FromComputer): void {
@@ -258,6 +276,9 @@ export class Phone {
       if (teaching === 'shown') {
         this.whenShown();
       }
+    }
+    if (prompt.message === 'watch.shown' || prompt.message === 'watch.hidden') {
+      this.letWatch(prompt.message === 'watch.shown');
     }
     this.ledAgain.heard(prompt);
     this.state.led = this.ledAgain.isLed;

@@ -11,10 +11,11 @@ export interface Settings {
   sounds: boolean;
   vibration: boolean;
   aim: boolean; // tone and vibration of the last metre
+  mayWatch: boolean; // helpers, where this phone is and how somebody is led
 }
 
 export const kDefaults: Settings = {
-  voice: null, rate: 1, distances: 'metres', step_m: 0.7, callouts: true, sounds: true, vibration: true, aim: true,
+  voice: null, rate: 1, distances: 'metres', step_m: 0.7, callouts: true, sounds: true, vibration: true, aim: true, mayWatch: false,
 };
 export const kRates = { least: 0.5, most: 3 };
 export const kSteps = { least: 0.3, most: 1.2 };
@@ -50,7 +51,7 @@ export function settingsFrom(stored: string | null): Settings {
   } catch {
     // Not JSON.
   }
-  const flag = (name: 'callouts' | 'sounds' | 'vibration' | 'aim'): boolean =>
+  const flag = (name: 'callouts' | 'sounds' | 'vibration' | 'aim' | 'mayWatch'): boolean =>
     typeof found[name] === 'boolean' ? found[name] : kDefaults[name];
   return {
     voice: found.voice === 'own' || found.voice === 'reader' ? found.voice : kDefaults.voice,
@@ -61,6 +62,7 @@ export function settingsFrom(stored: string | null): Settings {
     sounds: flag('sounds'),
     vibration: flag('vibration'),
     aim: flag('aim'),
+    mayWatch: flag('mayWatch'),
   };
 }
 

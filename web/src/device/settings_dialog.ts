@@ -31,6 +31,7 @@ export function openSettings(settings: Settings, actions: SettingsActions): void
     'vibrate' in navigator
       ? checkField(text('settings.vibration'), settings.vibration, set('vibration')).element : null,
     checkField(text('settings.aim'), settings.aim, set('aim')).element,
+    checkField(text('settings.may_watch'), settings.mayWatch, set('mayWatch')).element,
     h('p', { 'aria-hidden': 'true' }, text('settings.language')),
     languageChoice(),
     h('p', {}, h('a', { href: `/help/manual/card.${language()}.html` }, text('settings.help'))),

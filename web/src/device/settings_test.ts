@@ -4,7 +4,7 @@ import { test } from 'node:test';
 import { kDefaults, settingsFrom } from './settings';
 
 test('what was stored comes back', () => {
-  const settings = { ...kDefaults, voice: 'reader' as const, rate: 2, distances: 'steps' as const, callouts: false, aim: false };
+  const settings = { ...kDefaults, voice: 'reader' as const, rate: 2, distances: 'steps' as const, callouts: false, aim: false, mayWatch: true };
   assert.deepEqual(settingsFrom(JSON.stringify(settings)), settings);
 });
 

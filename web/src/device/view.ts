@@ -15,6 +15,7 @@ export interface ViewActions {
   spots: () => void;
   askInWords: () => void;
   guide: (wish: GuideWish) => void;
+  hideWalks: () => void;
   repeat: () => void;
   quiet: () => void;
   nameRoom: () => void;
@@ -33,6 +34,7 @@ export class PhoneView {
   private readonly quiet: HTMLButtonElement;
   private readonly nameRoom: HTMLButtonElement;
   private readonly guide: HTMLElement;
+  private readonly hide: HTMLButtonElement; // the walk from helpers
   private readonly lock: HTMLButtonElement; // against touches that nobody means
   private readonly cover = new Cover(() => (this.guide.hidden ? this.element.querySelector<HTMLElement>('.tool.take') : this.lock)?.focus());
   private readonly record: HTMLButtonElement;
@@ -46,11 +48,12 @@ export class PhoneView {
       h('button', { type: 'button', class: `question ${name}`, onclick: run }, icon(shape), h('span', {}, label));
     this.nameRoom = h('button', { type: 'button', class: 'tool', hidden: true, onclick: actions.nameRoom }, text('phone.name_room'));
     this.lock = h('button', { type: 'button', class: 'tool', onclick: () => this.cover.close() }, text('guide.lock'));
+    this.hide = h('button', { type: 'button', class: 'tool hide', hidden: true, onclick: actions.hideWalks }, text('guide.hide'));
     const wish = (name: GuideWish) =>
       h('button', { type: 'button', class: 'tool', onclick: () => actions.guide(name) }, text(`guide.${name}`));
     this.guide = h('section', { class: 'guide', hidden: true, 'aria-labelledby': 'guide-heading' },
       h('h2', { id: 'guide-heading', class: 'visually-hidden' }, text('guide.label')),
-      wish('next'), wish('how_far'), wish('blocked'), wish('pause'), wish('resume'), wish('end'), this.lock);
+      wish('next'), wish('how_far'), wish('blocked'), wish('pause'), wish('resume'), wish('end'), this.lock, this.hide);
     this.record = h('button', { type: 'button', class: 'tool', onclick: actions.record }, text('phone.record'));
     this.teach = h('button', { type: 'button', class: 'tool teach', onclick: actions.teach }, text('teach.begin'));
     this.stop = h('button', { type: 'button', class: 'tool', hidden: true, onclick: actions.stopRecording }, text('record.stop'));
@@ -105,7 +108,7 @@ export class PhoneView {
     document.body.classList.toggle('walking', state.isWalking);
     // Only a walk that is being recorded by this device can be named from here.
     const shown: [HTMLElement, boolean][] = [
-      [this.guide, state.led && !state.isWalking],
+      [this.guide, state.led && !state.isWalking], [this.hide, state.mayWatch],
       [this.questions, !state.isWalking], [this.walk, state.isWalking], [this.record, !state.isWalking], [this.teach, !state.isWalking],
       [this.nameRoom, state.recording !== null && !state.isWalking], [this.stop, state.waits && this.isHelper()],
     ];
@@ -115,7 +118,7 @@ export class PhoneView {
     }
     const left = shown.find(([part, isShown]) => !isShown && part.contains(focused))?.[0];
     if (left !== undefined) {
-      const next = state.isWalking ? '.question.stop' : left === this.guide ? '.tool.take' : '.question.where';
+      const next = state.isWalking ? '.question.stop' : left === this.hide ? '.guide .tool' : left === this.guide ? '.tool.take' : '.question.where';
       this.element.querySelector<HTMLElement>(next)?.focus();
     }
   }

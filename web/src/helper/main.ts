@@ -9,6 +9,7 @@ import { chooseLanguage, language, text } from '../shared/texts';
 import { devicesPanel } from './devices_panel';
 import { forgetPanel } from './forget_panel';
 import { homePanel } from './home_panel';
+import { ledPanel } from './led_panel';
 import { recognisePanel } from './recognise_panel';
 import { makeShell } from './shell';
 import { HelperStore } from './store';
@@ -42,11 +43,13 @@ async function open(me: Me): Promise<void> {
   const session = browserSession({
     hello: () => ({
       type: 'hello', version: kProtocolVersion, name: me.name, kind: 'page', camera: null, language: language(),
-      distances: 'metres', step_m: 0.7, callouts: false,
+      distances: 'metres', step_m: 0.7, callouts: false, may_watch: false,
     }),
     onMessage: (message) => helper.store.receive(message),
     onOnline: () => {
       helper.store.setOnline(true);
+      watching = false; // the computer knows of nothing yet
+      watch();
       if (wasLost) {
         wasLost = false;
         helper.announcer.say(text('helper.back'));
@@ -62,8 +65,20 @@ async function open(me: Me): Promise<void> {
     },
   });
   let wasLost = false;
+  // While that part is shown to somebody: whoever is led is told of it.
+  let watching = false;
+  const watch = (): void => {
+    const watches = location.hash === '#led' && document.visibilityState === 'visible';
+    if (watches !== watching && session.send({ type: 'watch', on: watches })) {
+      watching = watches;
+      helper.store.forgetWatched();
+    }
+  };
+  window.addEventListener('hashchange', watch);
+  document.addEventListener('visibilitychange', watch);
   replaceChildren(page, makeShell(helper, [
     { name: 'home', title: text('nav.home'), make: () => homePanel(helper) },
+    { name: 'led', title: text('nav.led'), make: () => ledPanel(helper) },
     { name: 'walks', title: text('nav.walks'), make: () => walksPanel(helper, me) },
     { name: 'recognise', title: text('nav.recognise'), make: () => recognisePanel(helper) },
     { name: 'devices', title: text('nav.devices'), make: () => devicesPanel(helper, me) },

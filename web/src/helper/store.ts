@@ -1,8 +1,10 @@
 // What the helper's page knows of the home; kept fresh by the socket.
 import { ApiError, request } from '../shared/api';
 import type {
-  Device, DeviceSeen, Edit, FromComputer, Home, Job, Keyframe, Plan, Recognition, RecordingState,
+  Device, DeviceSeen, Edit, FromComputer, Home, Job, Keyframe, Plan, Recognition, RecordingState, WatchedDevice,
 } from '../shared/protocol';
+
+export type Watched = WatchedDevice & { received: number }; // by this page's clock
 
 export interface HelperState {
   home: Home | null;
@@ -14,14 +16,15 @@ export interface HelperState {
   job: Job | null;
   recording: RecordingState | null;
   seen: Map<number, DeviceSeen>; // by device
+  watched: Map<number, Watched>; // by device
   online: boolean;
 }
 
-export type Topic = 'home' | 'devices' | 'recognitions' | 'job' | 'recording' | 'seen' | 'online';
+export type Topic = 'home' | 'devices' | 'recognitions' | 'job' | 'recording' | 'seen' | 'watched' | 'online';
 
 export class HelperStore {
   readonly state: HelperState = {
-    home: null, keyframes: [], plan: { rooms: [], doors: [] }, edits: [], devices: [], recognitions: [], job: null, recording: null, seen: new Map(), online: false,
+    home: null, keyframes: [], plan: { rooms: [], doors: [] }, edits: [], devices: [], recognitions: [], job: null, recording: null, seen: new Map(), watched: new Map(), online: false,
   };
   private readonly listeners: { topics: readonly Topic[]; run: () => void }[] = [];
   private jobsTold = 0; // by the socket
@@ -90,6 +93,12 @@ export class HelperStore {
     }
   }
 
+  // What was true while this page watched.
+  forgetWatched(): void {
+    this.state.watched.clear();
+    this.tell('watched');
+  }
+
   // What the socket said.
   receive(message: FromComputer): void {
     switch (message.type) {
@@ -114,6 +123,12 @@ export class HelperStore {
       case 'device':
         this.receiveDevice(message);
         break;
+      case 'led_walk':
+        if (message.t >= (this.state.watched.get(message.device)?.t ?? -Infinity)) {
+          this.state.watched.set(message.device, { ...message, received: performance.now() });
+          this.tell('watched');
+        }
+        break;
       default: // of interest to devices only
         break;
     }
@@ -124,6 +139,9 @@ export class HelperStore {
     const told = this.state.seen.get(message.device);
     this.state.seen.set(message.device, message);
     this.tell('seen');
+    if (!message.online && this.state.watched.delete(message.device)) {
+      this.tell('watched');
+    }
     if (!known) {
       void this.refreshDevices().catch(() => undefined);
     } else if (known.online !== message.online) {

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import { test, type TestContext } from 'node:test';
 
-import type { Job } from '../shared/protocol';
+import type { Job, WatchedDevice } from '../shared/protocol';
 import { HelperStore } from './store';
 
 test('a listener that throws does not keep the news from the others', (context) => {
@@ -55,4 +55,37 @@ test('of two answers about the home the one that was asked for later holds', asy
   answerAll(asked.slice(0, asked.length / 2), 'old');
   await older;
   assert.equal(store.state.home?.name, 'new');
+});
+
+const led = (t: number, state: 'on_way' | 'lost' | null, device = 3): WatchedDevice => ({
+  type: 'led_walk', device, name: 'phone', t, may_watch: state !== null,
+  walk: state === null ? null : { language: 'en', goal: 'bed', state, person: null, left_m: null, way: [], said: [] },
+});
+
+test('of how somebody is led an older message changes nothing, and each device is told of by itself', () => {
+  const store = new HelperStore();
+  let told = 0;
+  store.watch(['watched'], () => (told += 1));
+  store.receive(led(20, 'lost'));
+  store.receive(led(10, 'on_way'));
+  assert.equal(store.state.watched.get(3)?.walk?.state, 'lost');
+  store.receive(led(15, 'on_way', 4));
+  assert.equal(store.state.watched.get(4)?.walk?.state, 'on_way');
+  assert.equal(told, 3, 'once at first');
+  store.receive(led(21, null));
+  assert.equal(store.state.watched.get(3)?.walk, null, 'they do not let helpers watch any more');
+  store.receive(led(20.5, 'on_way'));
+  assert.equal(store.state.watched.get(3)?.walk, null);
+  store.forgetWatched();
+  assert.equal(store.state.watched.size, 0);
+  store.receive(led(1, 'on_way'));
+  assert.equal(store.state.watched.get(3)?.walk?.state, 'on_way', 'a computer that was started anew');
+});
+
+test('who is gone is not led', () => {
+  const store = new HelperStore();
+  store.state.devices = [{ device: 3, name: 'phone', role: 'device', paired: 0, last_seen: 0, online: true }];
+  store.receive(led(20, 'on_way'));
+  store.receive({ type: 'device', device: 3, name: 'phone', online: false, seen: null });
+  assert.equal(store.state.watched.size, 0);
 });

@@ -106,6 +106,26 @@ export interface DeviceSeen {
   seen: Seen | null;
 }
 
+// What helpers who watch see of who is led. Its times are of the computer's steady clock, for their differences alone.
+export interface WatchedWalk {
+  language: Language; // of what follows
+  goal: string;
+  state: 'on_way' | 'off_way' | 'lost' | 'paused' | 'waiting' | 'arrived' | 'nearest' | 'ended';
+  person: { t: number; x: number; y: number; heading_degrees: number; sigma_m: number } | null; // by the newest picture that told
+  left_m: number | null;
+  way: Point[];
+  said: { t: number; text: string }[]; // the newest last
+}
+
+export interface WatchedDevice {
+  type: 'led_walk';
+  device: number;
+  name: string;
+  t: number; // of two messages the later one holds
+  may_watch: boolean; // its person says so
+  walk: WatchedWalk | null; // null: nobody is led, or they may not watch
+}
+
 export type FromComputer =
   | Prompt
   | Aim
@@ -113,6 +133,7 @@ export type FromComputer =
   | RecordingState
   | Job
   | DeviceSeen
+  | WatchedDevice
   | ({ type: 'seen' } & Seen)
   | ({ type: 'home' } & Partial<Omit<Welcome, 'type' | 'version'>>)
   | { type: 'frame'; t: number; dropped: number }
@@ -165,6 +186,7 @@ export interface Hello {
   distances: Distances;
   step_m: number;
   callouts: boolean;
+  may_watch: boolean; // helpers see where it is, and how somebody is led
 }
 
 // What somebody who is led may say to the guide.
@@ -182,6 +204,7 @@ export type Question =
   | { question: 'mark_spot' | 'forget_spot'; spot?: string }
   | { question: 'rename_spot'; spot: string; name: string }
   | { question: 'take_me_back' | 'which_spots' }
+  | { question: 'show_walks' | 'hide_walks' }
   | { question: 'teach_thing' | 'stop_teaching' }
   | { question: 'name_thing'; thing: string; private?: boolean };
 

@@ -19,7 +19,7 @@ class FakeSocket implements Socket {
 
 const kHello: Hello = {
   type: 'hello', version: 1, name: 'phone', kind: 'phone', camera: null,
-  language: 'en', distances: 'metres', step_m: 0.7, callouts: true,
+  language: 'en', distances: 'metres', step_m: 0.7, callouts: true, may_watch: false,
 };
 
 function makeSession() {

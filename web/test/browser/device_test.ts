@@ -654,7 +654,7 @@ test('settings: steps, German; they are kept, and told to the computer', options
   await visit.page.click('input[value=steps]');
   await until(() => server.newest('device').told.length > 0);
   await gets(() => server.newest('device').told[0], {
-    type: 'settings', language: 'en', distances: 'steps', step_m: 0.7, callouts: true,
+    type: 'settings', language: 'en', distances: 'steps', step_m: 0.7, callouts: true, may_watch: false,
   });
   await Promise.all([visit.page.waitForNavigation(), visit.page.click('button[lang=de]')]);
   await visit.sees('Wer soll sprechen?');
