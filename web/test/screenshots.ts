@@ -4,6 +4,7 @@ import { join } from 'node:path';
 
 import { closeBrowser, kDesktop, kPhone, openVisit, withServer, type Visit } from './browser/harness';
 import { drawnRoom } from './drawn_picture';
+import { madeUpWalk } from './made_up_home';
 import { tellJob, tellRecording } from './stand_in_api';
 import type { StandInServer } from './stand_in_server';
 
@@ -55,6 +56,11 @@ async function helper(visit: Visit, shoot: (name: string) => Promise<void>, serv
   await visit.page.click('[data-key="edit kitchen"]');
   await shoot('room');
   await visit.page.keyboard.press('Escape');
+  await visit.page.click('a[href="#led"]');
+  server.tell('helper', madeUpWalk(2000));
+  server.tell('helper', madeUpWalk(2000, { device: 4, name: 'Chest camera', may_watch: false, walk: null }));
+  await visit.sees('6.4 m to go');
+  await shoot('led');
   await visit.page.click('a[href="#walks"]');
   await visit.page.waitForSelector('.timeline img');
   tellRecording(server, 'recording', 17, 'evening');
