@@ -47,12 +47,13 @@ Answer answer_of(const mapping::PoseGraphReport& report, std::size_t poses, std:
                  {"converged", report.termination == geometry::Termination::kConverged}}};
 }
 
-Expected<Answer> optimize_file(const OptimizeOptions& options) {
+Expected<Answer> optimize_file(const OptimizeOptions& options, const Context& context) {
   if (is_database(options.input)) {
     return fail("{}: is a home; give it as --home", options.input.string());
   }
   ROOMWISE_TRY(mapping::PoseGraph graph, mapping::read_g2o(options.input));
-  ROOMWISE_TRY(const mapping::PoseGraphReport report, mapping::optimize(graph, options.graph));
+  ROOMWISE_TRY(const mapping::PoseGraphReport report,
+               mapping::optimize(graph, options.graph, context.progress));
   ROOMWISE_CHECK_OK(mapping::write_g2o(options.output, graph));
   Answer answer = answer_of(report, graph.world_from_node.size(), graph.edges.size());
   answer.text += fmt::format("wrote {}\n", options.output.string());
@@ -119,7 +120,7 @@ void add_optimize_command(CLI::App& app, Context& context) {
       "roomwise optimize sphere2500.g2o -o optimised.g2o\n"
       "  roomwise optimize --home my.home",
       [](const OptimizeOptions& given, Context& with) {
-        return given.home.empty() ? optimize_file(given) : optimize_home(given, with);
+        return given.home.empty() ? optimize_file(given, with) : optimize_home(given, with);
       });
   CLI::Option_group* graph = command->add_option_group("Pose graph");
   CLI::Option* input = graph->add_option("IN", options.input, "Pose graph to read (.g2o, SE3)");

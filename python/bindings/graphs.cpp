@@ -4,6 +4,7 @@
 
 #include "python/bindings/arrays.h"
 #include "python/bindings/bindings.h"
+#include "python/bindings/long_work.h"
 #include "roomwise/mapping/graph/g2o_file.h"
 
 namespace roomwise::python {
@@ -155,7 +156,8 @@ PoseGraphReport optimize(PoseGraph& graph, int max_iterations, double relative_t
   value_of(options.validate());
   // Of a copy, since Python may look at the graph meanwhile.
   mapping::PoseGraph moved = graph.graph;
-  const PoseGraphReport report = run_without_gil([&] { return mapping::optimize(moved, options); });
+  const PoseGraphReport report = run_long(
+      [&](const Progress& progress) { return mapping::optimize(moved, options, progress); });
   graph.graph.world_from_node = std::move(moved.world_from_node);
   return report;
 }
@@ -180,14 +182,16 @@ void bind_graphs(py::module_& module) {
       module, "PoseGraph",
       "Poses of nodes, and measurements of one relative to another. The error that is squared is "
       "that of g2o's EDGE_SE3:QUAT: translation in m, then the vector part of the unit quaternion.")
-      .def(
-          py::init(&graph_of), py::arg("world_from_node"), py::arg("edges"),
-          py::arg("from_from_to"), py::arg("information") = py::none(),
-          py::arg("is_loop") = py::none(), py::arg("nodes") = py::none(),
-          "Of arrays, which are copied: (N, 4, 4) poses in m; (M, 2) nodes that an edge leads from "
-          "and to; (M, 4, 4) measurements; (M, 6, 6) information in the order x y z qx qy qz "
-          "(default: the identity); (M,) bool, whether an edge is a loop closure, which gets the "
-          "robust kernel (default: none); (N,) the nodes' numbers (default: 0, 1, 2, ...).")
+      .def(py::init(&graph_of), py::arg("world_from_node"), py::arg("edges"),
+           py::arg("from_from_to"), py::arg("information") = py::none(),
+           py::arg("is_loop") = py::none(), py::arg("nodes") = py::none(),
+           "Of arrays, which are copied: (N, 4, 4) poses of nodes in one world, m; (M, 2) nodes "
+           "that an edge leads from "
+           "and to; (M, 4, 4) measurements, the second node's pose in the first's frame, m; (M, 6, "
+           "6) information in the order x y z qx qy qz "
+           "(default: the identity); (M,) bool, whether an edge is a loop closure, which gets the "
+           "robust kernel (default: none); (N,) the nodes' numbers (default: 0, 1, 2, ...). "
+           "TypeError or ValueError names the array that is none of these.")
       .def_static(
           "read",
           [](const py::object& path) {
@@ -201,22 +205,24 @@ void bind_graphs(py::module_& module) {
           [](const PoseGraph& self, const py::object& path) {
             value_of(mapping::write_g2o(path_of(path, "path"), self.graph));
           },
-          py::arg("path"), "As a .g2o file; reading gives the same bits.")
+          py::arg("path"),
+          "As a .g2o file; reading gives the same bits. Error where it cannot be written.")
       .def("optimize", &optimize, py::arg("max_iterations") = 100,
            py::arg("relative_tolerance") = 1e-9, py::arg("loop_kernel") = 0.0,
            "Moves the poses to a minimum of F; the lowest node of each connected part stays. The "
            "same graph gives the same bits. loop_kernel: e^T Omega e of a loop closure above which "
            "it counts less and less (0: never). Error, which names node or edge and leaves the "
-           "graph "
-           "as it was, where it cannot be optimised. Ctrl-C waits for its end.")
+           "graph as it was, where it cannot be optimised. Ctrl-C stops it at the next iteration "
+           "and leaves the graph as it was.")
       .def_property_readonly("error", &error_of,
-                             "F: the sum of e^T Omega e over all edges, without kernels")
+                             "F: the sum of e^T Omega e over all edges, without kernels; Error "
+                             "where an edge has no node")
       .def_property_readonly("nodes", &nodes_as_array, "(N,) int64, ascending")
       .def_property_readonly("world_from_node", &poses_as_array,
-                             "(N, 4, 4) float64, in the order of nodes: made anew at each call")
+                             "(N, 4, 4) float64 m, in the order of nodes: made anew at each call")
       .def_property_readonly("edges", &edges_as_array, "(M, 2) int64: made anew at each call")
       .def_property_readonly("from_from_to", &measurements_as_array,
-                             "(M, 4, 4) float64: made anew at each call")
+                             "(M, 4, 4) float64 m: made anew at each call")
       .def_property_readonly("information", &information_view, "(M, 6, 6) float64, a view")
       .def_property_readonly("is_loop", &loops_view, "(M,) bool, a view")
       .def("__len__", [](const PoseGraph& self) { return self.graph.world_from_node.size(); })

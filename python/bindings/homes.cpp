@@ -292,16 +292,21 @@ void bind_home(py::module_& module) {
       .def_property_readonly("rooms", &rooms_of, "list of Room, by name")
       .def_property_readonly("objects", &objects_of, "list of HomeObject")
       .def("frame", &frame_of, py::arg("keyframe"),
-           "The Frame that a key-frame (its id) was made of.")
+           "The Frame that a key-frame (its id) was made of. Error where there is no such "
+           "key-frame, and where its pictures are sealed or damaged.")
       .def("trajectory", &home_trajectory, py::arg("walk") = py::none(),
            "The poses of all frames that the largest component places, or of those of one walk (a "
-           "Walk or its name).")
+           "Walk or its name): a Trajectory in the world of that component, m. Error where the "
+           "home has no such walk.")
       .def("cloud", &cloud_of, py::arg("voxel_size_m") = 0.02, py::arg("threads") = 0,
            py::arg("progress") = py::none(),
-           "The largest component as a PointCloud, one point a voxel; empty where nothing is "
-           "mapped.")
+           "The largest component as a PointCloud, one point a voxel of voxel_size_m; empty where "
+           "nothing is mapped. threads: 0 for all. progress: as for map_recording. Error where "
+           "pictures are sealed or damaged; Ctrl-C stops it.")
       .def("pose_graph", &home_graph,
-           "The PoseGraph of the map as it is, without the loops that contradict it.")
+           "The PoseGraph of the map as it is, in m, without the loops that contradict it. Error "
+           "where "
+           "the home has no map.")
       .def("__repr__", [](const OpenHome& self) {
         return fmt::format("<roomwise.Home {}>", self.path.string());
       });

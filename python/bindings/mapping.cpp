@@ -245,7 +245,9 @@ void bind_mapping(py::module_& module) {
       "called on this thread; what it raises stops the work, as Ctrl-C does: the home keeps what "
       "was "
       "mapped, and resume=True goes on from there. Networks look in floats unless the home allowed "
-      "8 bits before. The same seed gives the same bits at any number of threads (0: all).");
+      "8 bits before. The same seed gives the same bits at any number of threads (0: all). Error "
+      "where the "
+      "recording cannot be read, or the home has it already.");
   module.def(
       "learn_rooms", &learn_rooms, py::arg("home"), py::kw_only(), py::arg("labels") = py::none(),
       py::arg("walk") = "", py::arg("visits") = "", py::arg("rooms") = std::vector<std::string>{},

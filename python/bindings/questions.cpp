@@ -217,7 +217,9 @@ void bind_recognizer(py::module_& module) {
           "Of one picture or more of one place, given one after the other: (height, width, 3) "
           "uint8, or paths. depths: one for each (see Localizer.locate), by whose place on the map "
           "the room is found, too. Images are copied; the GIL is released. May be called from "
-          "several threads.");
+          "several threads. Error where a picture cannot be read; ValueError where there is none, "
+          "or "
+          "depths are not as many.");
 }
 
 }  // namespace
@@ -230,14 +232,15 @@ void bind_questions(py::module_& module) {
   home_class.def(
       "localizer", &localizer_of, py::arg("seed") = 1, py::arg("threads") = 0,
       py::arg("progress") = py::none(),
-      "A Localizer; it measures the key-frames of the largest component anew. Error where "
-      "the home has no map.");
-  home_class.def("recognizer", &recognizer_of, py::arg("networks") = py::none(),
-                 py::arg("places") = false, py::arg("threads") = 0,
-                 py::arg("progress") = py::none(),
-                 "A Recognizer of the rooms that were learned. networks: as for map_recording; the "
-                 "one that the rooms were learned with must be among them. places: also finds "
-                 "pictures with depth on the map, for which that is measured anew.");
+      "A Localizer; it measures the key-frames of the largest component anew. progress: as for "
+      "map_recording. Error where the home has no map; Ctrl-C stops it.");
+  home_class.def(
+      "recognizer", &recognizer_of, py::arg("networks") = py::none(), py::arg("places") = false,
+      py::arg("threads") = 0, py::arg("progress") = py::none(),
+      "A Recognizer of the rooms that were learned. networks: as for map_recording; the "
+      "one that the rooms were learned with must be among them. places: also finds "
+      "pictures with depth on the map, for which that is measured anew. Error where no rooms "
+      "were learned, or their network is not among them.");
 }
 
 }  // namespace roomwise::python

@@ -77,7 +77,8 @@ void bind_camera(py::module_& module) {
            "value cannot be.")
       .def_static(
           "named", [](const std::string& name) { return value_of(geometry::camera_preset(name)); },
-          py::arg("name"), "fr1, fr2, fr3 (TUM's calibrations), kinect-v1 or xtion.")
+          py::arg("name"),
+          "fr1, fr2, fr3 (TUM's calibrations), kinect-v1 or xtion; Error at another name.")
       .def_static(
           "read",
           [](const py::object& path) {

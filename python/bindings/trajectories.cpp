@@ -171,7 +171,7 @@ void bind_trajectories(py::module_& module) {
       .def(py::init(&trajectory_of), py::arg("timestamps_ns"), py::arg("positions"),
            py::arg("quaternions"),
            "Of arrays: (N,) whole ns, strictly increasing; (N, 3) m; (N, 4) x y z w. They are "
-           "copied.")
+           "copied. ValueError names the pose that is none.")
       .def_static(
           "read",
           [](const py::object& path) {
@@ -185,7 +185,7 @@ void bind_trajectories(py::module_& module) {
           [](const Trajectory& self, const py::object& path) {
             value_of(recording::write_trajectory(path_of(path, "path"), self.poses));
           },
-          py::arg("path"), "In TUM's format.")
+          py::arg("path"), "In TUM's format. Error where it cannot be written.")
       .def("__len__", [](const Trajectory& self) { return self.poses.size(); })
       .def("__repr__",
            [](const Trajectory& self) {

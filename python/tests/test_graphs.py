@@ -1,5 +1,6 @@
 """Pose graphs from arrays and from g2o's text."""
 
+import signal
 import unittest
 
 import numpy as np
@@ -120,6 +121,23 @@ class PoseGraphs(unittest.TestCase):
     def test_options_are_checked(self):
         with self.assertRaisesRegex(roomwise.Error, "max_iterations"):
             roomwise.PoseGraph(**square()).optimize(max_iterations=-1)
+
+    def test_ctrl_c_stops_it_and_leaves_the_graph_as_it_was(self):
+        # A long chain whose loop closures contradict it: it takes many iterations.
+        count = 3000
+        random = np.random.default_rng(1)
+        poses = np.stack([np.eye(4)] * count)
+        poses[:, 2, 3] = np.arange(count)
+        ends = np.array([[i, i + 1] for i in range(count - 1)] + [[i, count - 1 - i] for i in range(count // 2)])
+        steps = np.stack([np.eye(4)] * len(ends))
+        steps[:, :3, 3] = random.normal(0, 10, (len(ends), 3))
+        graph = roomwise.PoseGraph(poses, ends, steps)
+        # However soon the signal comes, and though all were done by then, it counts.
+        signal.signal(signal.SIGALRM, lambda *_: signal.raise_signal(signal.SIGINT))
+        with self.assertRaises(KeyboardInterrupt):
+            signal.setitimer(signal.ITIMER_REAL, 0.001)
+            graph.optimize(max_iterations=1_000_000, relative_tolerance=1e-300)
+        np.testing.assert_array_equal(graph.world_from_node, poses)
 
     def test_of_nothing_arrays_are_empty(self):
         graph = roomwise.PoseGraph(np.zeros((0, 4, 4)), np.zeros((0, 2), dtype=int), np.zeros((0, 4, 4)))

@@ -98,6 +98,7 @@ class Stubs(unittest.TestCase):
             there = getattr(owner, stub.name)
             with self.subTest(f"{owner.__name__}.{stub.name}"):
                 self.assertEqual(arguments_of(stub), arguments_of(native_function(there)))
+                self.assertIn("Error", there.__doc__, "it says how it fails")
                 compared += 1
         self.assertGreater(compared, 15)
 

@@ -106,14 +106,17 @@ NumberedGraph numbered(const PoseGraph& graph, const PoseGraphOptions& options,
 }
 
 // The same for edges whose information is positive semi-definite.
-Expected<PoseGraphReport> optimize_semidefinite(PoseGraph& graph, const PoseGraphOptions& options) {
+Expected<PoseGraphReport> optimize_semidefinite(PoseGraph& graph, const PoseGraphOptions& options,
+                                                const Interruption& interruption) {
   const double error_before = pose_graph_error(graph);
   if (!std::isfinite(error_before)) {
     return fail("the pose graph holds lengths or weights too large to square; expected metres");
   }
   std::map<NodeId, std::uint32_t> numbers;
   NumberedGraph solved = numbered(graph, options, numbers);
-  const geometry::MinimizerSummary summary = minimize(solved, options);
+  const geometry::MinimizerSummary summary = minimize(solved, options, interruption);
+  if (summary.termination == geometry::Termination::kInterrupted)
+    return fail_with(ErrorCode::kInterrupted, "interrupted while optimising the pose graph");
   for (auto& [id, pose] : graph.world_from_node) pose = solved.world_from_node[numbers.at(id)];
   return PoseGraphReport{error_before, pose_graph_error(graph), summary.iterations,
                          summary.termination, 0};
@@ -141,7 +144,8 @@ double pose_graph_error(const PoseGraph& graph) {
   return sum;
 }
 
-Expected<PoseGraphReport> optimize(PoseGraph& graph, const PoseGraphOptions& options) {
+Expected<PoseGraphReport> optimize(PoseGraph& graph, const PoseGraphOptions& options,
+                                   const Interruption& interruption) {
   ROOMWISE_CHECK_OK(options.validate());
   ROOMWISE_CHECK_OK(check(graph));
   // Edges are solved by what of them makes sense, and stay as they are.
@@ -151,7 +155,7 @@ Expected<PoseGraphReport> optimize(PoseGraph& graph, const PoseGraphOptions& opt
     if (is_semidefinite(information)) continue;
     indefinite.emplace(i, std::exchange(information, nearest_semidefinite(information)));
   }
-  auto report = optimize_semidefinite(graph, options);
+  auto report = optimize_semidefinite(graph, options, interruption);
   for (const auto& [i, information] : indefinite) graph.edges[i].information = information;
   if (report) report->indefinite_edges = indefinite.size();
   return report;

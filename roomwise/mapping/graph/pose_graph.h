@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "roomwise/base/expected.h"
+#include "roomwise/base/progress.h"
 #include "roomwise/geometry/levenberg_marquardt.h"
 #include "roomwise/geometry/rigid_transform.h"
 #include "roomwise/scene/pose_graph_edge.h"
@@ -54,9 +55,11 @@ struct PoseGraphReport {
 // each connected part held still. Runs on one thread and calls no BLAS, so that the same graph
 // gives the same bits. Fails, naming node or edge and leaving the graph as it was, on an edge to a
 // node that is not there or to itself, poses or information that are not finite, quaternions not of
-// unit length, information that is not symmetric. Where `max_iterations` did not suffice, the poses
-// are the best so far and the report says so.
+// unit length, information that is not symmetric, and when it is interrupted, which it asks for
+// before each iteration. Where `max_iterations` did not suffice, the poses are the best so far and
+// the report says so.
 [[nodiscard]] Expected<PoseGraphReport> optimize(PoseGraph& graph,
-                                                 const PoseGraphOptions& options = {});
+                                                 const PoseGraphOptions& options = {},
+                                                 const Interruption& interruption = {});
 
 }  // namespace roomwise::mapping

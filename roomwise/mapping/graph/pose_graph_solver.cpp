@@ -99,7 +99,8 @@ class PoseGraphProblem {
 
 }  // namespace
 
-geometry::MinimizerSummary minimize(NumberedGraph& graph, const PoseGraphOptions& options) {
+geometry::MinimizerSummary minimize(NumberedGraph& graph, const PoseGraphOptions& options,
+                                    const Interruption& interruption) {
   constexpr double kRounding = 1e-12;  // steps that are so small next to the poses are none
   if (graph.fixed_poses == graph.world_from_node.size()) return {};
   if (options.relaxes_start) {
@@ -113,12 +114,14 @@ geometry::MinimizerSummary minimize(NumberedGraph& graph, const PoseGraphOptions
   PoseGraphProblem problem(graph);
   // It starts almost undamped: pose graphs are nearly quadratic but so badly conditioned that even
   // light damping takes many iterations to shed.
-  return geometry::minimize(problem, {.max_iterations = options.max_iterations,
-                                      .relative_tolerance = options.relative_tolerance,
-                                      .min_step_length = kRounding * longest_m,
-                                      .initial_damping = 1e-8,
-                                      .min_damping = 1e-12,
-                                      .max_damping = 1e12});
+  return geometry::minimize(problem,
+                            {.max_iterations = options.max_iterations,
+                             .relative_tolerance = options.relative_tolerance,
+                             .min_step_length = kRounding * longest_m,
+                             .initial_damping = 1e-8,
+                             .min_damping = 1e-12,
+                             .max_damping = 1e12},
+                            [&] { return !interruption.interrupted(); });
 }
 
 }  // namespace roomwise::mapping

@@ -24,6 +24,7 @@ struct NumberedGraph {
 
 // Moves the poses that may move to a minimum of the sum of the edges' costs.
 [[nodiscard]] geometry::MinimizerSummary minimize(NumberedGraph& graph,
-                                                  const PoseGraphOptions& options);
+                                                  const PoseGraphOptions& options,
+                                                  const Interruption& interruption = {});
 
 }  // namespace roomwise::mapping

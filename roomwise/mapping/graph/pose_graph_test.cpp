@@ -301,5 +301,32 @@ INSTANTIATE_TEST_SUITE_P(PublicGraphs, OptimizeBenchmark,
                                            Benchmark{"SmallGrid", "smallGrid3D.g2o", 458.154}),
                          [](const auto& benchmark) { return std::string(benchmark.param.name); });
 
+// Stops the work when it is asked for the so-manyth time.
+class StopAt final : public Interruption {
+ public:
+  explicit StopAt(int ask) : ask_(ask) {}
+  [[nodiscard]] bool interrupted() const override { return ++asked_ >= ask_; }
+
+ private:
+  int ask_;
+  mutable int asked_ = 0;
+};
+
+TEST(Optimize, InterruptedLeavesTheGraphAsItWas) {
+  PoseGraph graph = square();
+  disturb(graph, 0.1);
+  const PoseGraph before = graph;
+  PoseGraphOptions options;
+  options.relaxes_start = false;  // it is at its end at once
+  for (const int ask : {1, 2}) {
+    const auto stopped = optimize(graph, options, StopAt(ask));
+    ASSERT_FALSE(stopped.has_value()) << ask;
+    EXPECT_EQ(stopped.error().code, ErrorCode::kInterrupted);
+    for (const auto& [id, pose] : before.world_from_node)
+      EXPECT_EQ(difference(graph.world_from_node.at(id), pose), 0) << id;
+  }
+  EXPECT_TRUE(optimize(graph, options, StopAt(1000)));
+}
+
 }  // namespace
 }  // namespace roomwise::mapping
