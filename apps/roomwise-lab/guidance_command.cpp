@@ -8,6 +8,7 @@
 #include "laboratory/simulation/home/storeys.h"
 #include "laboratory/trials/guidance/guidance_page.h"
 #include "laboratory/trials/guidance/guidance_trial.h"
+#include "laboratory/trials/guidance/hindrance.h"
 #include "laboratory/trials/guidance/server_leader.h"
 #include "laboratory/trials/truth_evaluation.h"
 #include "networks.h"
@@ -62,6 +63,9 @@ Json to_json(const GuidedWalk& walk) {
   return {{"goal", walk.goal.goal.noun.name},
           {"kind", trials::to_string(walk.goal.goal.kind)},
           {"offered", walk.is_offered},
+          {"hindered", walk.goal.is_hindered},
+          {"reachable", walk.goal.is_reachable},
+          {"not_reachable", walk.is_told_not_reachable()},
           {"arrived", walk.arrived()},
           {"says_there", walk.says_there},
           {"gave_up", !walk.has_ended},
@@ -103,6 +107,9 @@ Json to_json(const TrialSummary& summary) {
           {"spl", summary.spl},
           {"path_over_shortest", summary.path_ratio},
           {"path_over_shortest_deviation", summary.path_ratio_deviation},
+          {"hindered", summary.hindered},
+          {"without_way", summary.without_way},
+          {"not_reachable", summary.not_reachable},
           {"over_stairs", summary.over_stairs},
           {"arrived_over_stairs", summary.arrived_over_stairs},
           {"seconds", summary.mean_s},
@@ -127,6 +134,19 @@ Json to_json(const TrialSummary& summary) {
             {"beyond_1m", summary.beyond_1m},
             {"median_heading_degrees", summary.median_heading_error_rad / guide::kDegree_rad},
             {"p95_heading_degrees", summary.p95_heading_error_rad / guide::kDegree_rad}}}};
+}
+
+// How a home is when it is walked.
+struct Times {
+  simulation::Scenario scenario = simulation::Scenario::kDay;
+  trials::Hindrance hindrance = trials::Hindrance::kNone;
+};
+
+Expected<Times> parse_times(const std::string& name) {
+  if (const auto hindrance = trials::parse_hindrance(name)) return Times{.hindrance = *hindrance};
+  const auto scenario = simulation::parse_scenario(name);
+  if (!scenario) return fail("{}, person or closed-door", scenario.error().message);
+  return Times{.scenario = *scenario};
 }
 
 Expected<trials::TrialOptions> complete(const GuidanceOptions& options,
@@ -160,8 +180,17 @@ std::string text_of(const TrialSummary& summary, const char* what) {
     kinds += fmt::format("{}{} {} of {}", kinds.empty() ? "" : ", ", kind, of_kind.arrived,
                          of_kind.goals);
   }
+  const std::string hindered =
+      summary.hindered == 0
+          ? ""
+          : fmt::format(
+                "in the way      something on {} of {} walks; {} had no other way, of which {} "
+                "were "
+                "told so\n",
+                summary.hindered, summary.goals, summary.without_way, summary.not_reachable);
   return fmt::format(
       "arrived         {} of {} (SPL {:.2f}); {} were told so and were not there\n"
+      "{}"
       "by goal         {}\n"
       "known           {} of the {} goals that the guide knows were arrived at; {} it does not "
       "know\n"
@@ -173,7 +202,7 @@ std::string text_of(const TrialSummary& summary, const char* what) {
       "or "
       "more {} times\n"
       "{}\n",
-      summary.arrived, summary.goals, summary.spl, summary.says_there_wrongly, kinds,
+      summary.arrived, summary.goals, summary.spl, summary.says_there_wrongly, hindered, kinds,
       summary.arrived, summary.offered, summary.goals - summary.offered, summary.path_ratio,
       summary.path_ratio_deviation, summary.mean_s, summary.contacts_per_walk,
       summary.contacts_by_prompt, summary.contacts, summary.prompts_per_m, summary.prompts,
@@ -216,12 +245,13 @@ Expected<void> check_rendered(const GuidanceOptions& options, const simulation::
 
 std::string outcome_of(const GuidedWalk& walk) {
   return fmt::format("to the {}: {} after {:.0f} s, {} of {} pictures placed", walk.goal.word,
-                     walk.arrived()     ? "arrived"
-                     : walk.broken_off  ? "broken off"
-                     : walk.says_there  ? "told so wrongly"
-                     : !walk.is_offered ? "not known"
-                     : walk.has_ended   ? "not led there"
-                                        : "gave up",
+                     walk.arrived()                 ? "arrived"
+                     : walk.broken_off              ? "broken off"
+                     : walk.is_told_not_reachable() ? "not reachable, and told so"
+                     : walk.says_there              ? "told so wrongly"
+                     : !walk.is_offered             ? "not known"
+                     : walk.has_ended               ? "not led there"
+                                                    : "gave up",
                      walk.seconds, walk.sightings.position_errors_m.size(),
                      walk.sightings.pictures);
 }
@@ -229,12 +259,11 @@ std::string outcome_of(const GuidedWalk& walk) {
 // One after the other: the pictures of each are drawn by all threads. Interrupted it returns those
 // that were walked.
 Expected<std::vector<GuidedWalk>> walk_rendered(const GuidanceOptions& options,
-                                                const trials::WalkedHome& walked,
+                                                std::span<const trials::WalkGround> grounds,
                                                 const simulation::FurnitureCatalogue& catalogue,
-                                                std::span<const trials::GuidedGoal> goals,
                                                 const trials::TrialOptions& trial,
                                                 Context& context) {
-  ROOMWISE_CHECK_OK(check_rendered(options, walked.model));
+  ROOMWISE_CHECK_OK(check_rendered(options, grounds.front().home->model));
   ROOMWISE_TRY(const home::OpenOptions open, open_options(context));
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const geometry::RigidTransform truth_from_world,
@@ -244,17 +273,26 @@ Expected<std::vector<GuidedWalk>> walk_rendered(const GuidanceOptions& options,
   ROOMWISE_TRY(const auto server,
                trials::GuidingServer::start(options.home, networks, finders, open));
   ThreadPool pool(context.threads);
-  ROOMWISE_TRY(const auto renderer,
-               simulation::Renderer::create(simulation::in_world(walked.model), catalogue,
-                                            options.render, pool, context.progress));
+  const auto load =
+      trials::with_people([&](const std::string& model) { return catalogue.load(model); });
   const auto& frame = server->view()->map->frame;
-  const trials::DrawnWalks walks{
-      *server,        *renderer,    pool, {truth_from_world * frame.gravity_from_world.inverse()},
-      options.camera, options.times};
+  const auto draw = [&](const trials::WalkGround& ground, Progress& progress) {
+    return simulation::Renderer::create(simulation::in_world(ground.home->model), load,
+                                        options.render, pool, progress);
+  };
+  ROOMWISE_TRY(auto renderer, draw(grounds.front(), context.progress));
   std::vector<GuidedWalk> led;
-  context.progress.begin("walking", goals.size());
-  for (std::size_t i = 0; i < goals.size() && !context.progress.interrupted(); ++i) {
-    led.push_back(trials::lead_by_server(walks, walked, goals[i], trial, i));
+  context.progress.begin("walking", grounds.size());
+  for (std::size_t i = 0; i < grounds.size() && !context.progress.interrupted(); ++i) {
+    const trials::WalkedHome& walked = *grounds[i].home;
+    if (i > 0 && grounds[i - 1].home != grounds[i].home) {
+      SilentProgress silent;
+      ROOMWISE_TRY(renderer, draw(grounds[i], silent));
+    }
+    const trials::DrawnWalks walks{
+        *server,        *renderer,    pool, {truth_from_world * frame.gravity_from_world.inverse()},
+        options.camera, options.times};
+    led.push_back(trials::lead_by_server(walks, walked, grounds[i].goal, trial, i));
     context.progress.advance(i + 1, outcome_of(led.back()));
   }
   context.progress.end();
@@ -282,22 +320,24 @@ void add_setting_of_positions(const GuidanceOptions& options, const trials::Tria
 }
 
 Expected<Answer> run(const GuidanceOptions& options, Context& context) {
-  ROOMWISE_TRY(const simulation::Scenario scenario, simulation::parse_scenario(options.scenario));
-  ROOMWISE_TRY(const trials::TrialOptions trial, complete(options, scenario, context.seed));
+  ROOMWISE_TRY(const Times times, parse_times(options.scenario));
+  ROOMWISE_TRY(const trials::TrialOptions trial, complete(options, times.scenario, context.seed));
   ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(options.furniture));
   ROOMWISE_TRY(const Ground ground, ground_of(options, catalogue));
   ROOMWISE_TRY(const trials::GuidedMap map,
                trials::map_truth(ground.by_day, catalogue.models(), context.seed));
-  const trials::WalkedHome home(simulation::apply_scenario(
-      ground.by_day, scenario, options.scenario_seed.value_or(context.seed), catalogue.models()));
-  ROOMWISE_TRY(const auto goals, trials::choose_goals(map, home, trial.goals));
+  const auto home = std::make_shared<const trials::WalkedHome>(
+      simulation::apply_scenario(ground.by_day, times.scenario,
+                                 options.scenario_seed.value_or(context.seed), catalogue.models()));
+  ROOMWISE_TRY(const auto goals, trials::choose_goals(map, *home, trial.goals));
+  const auto grounds = trials::hinder(map, home, goals, times.hindrance, trial);
   std::vector<GuidedWalk> walks(goals.size());
   if (options.is_rendered) {
-    ROOMWISE_TRY(walks, walk_rendered(options, home, catalogue, goals, trial, context));
+    ROOMWISE_TRY(walks, walk_rendered(options, grounds, catalogue, trial, context));
   } else {
     ThreadPool pool(context.threads);
     pool.parallel_for(goals.size(), [&](std::size_t i) {
-      walks[i] = trials::lead(map, home, goals[i], trial, i);
+      walks[i] = trials::lead(map, *grounds[i].home, grounds[i].goal, trial, i);
     });
   }
   const TrialSummary summary = trials::summarise(walks);
@@ -319,8 +359,10 @@ Expected<Answer> run(const GuidanceOptions& options, Context& context) {
   if (!options.report.empty()) {
     ROOMWISE_CHECK_OK(write_file(
         options.report,
-        trials::guidance_page(home, walks, fmt::format("Guided through home {}", ground.home_seed),
-                              fmt::format("In these walks {}.", what))));
+        trials::guidance_page(
+            walks, [&](std::size_t i) -> const trials::WalkedHome& { return *grounds[i].home; },
+            fmt::format("Guided through home {}", ground.home_seed),
+            fmt::format("In these walks {}.", what))));
     answer.text += fmt::format("wrote {}\n", options.report.string());
     json["report"] = options.report.string();
   }
@@ -368,8 +410,9 @@ void add_guidance_command(CLI::App& app, Context& context) {
       ->needs(rendered);
   add_setting(*command, "--goals", options.trial.goals.goals, "How many walks", positive());
   add_setting(*command, "--scenario", options.scenario,
-              "How the home is when it is walked: day, evening, night, moved or moved-night; the "
-              "map is made by day");
+              "How the home is when it is walked: day, evening, night, moved or moved-night; by "
+              "day, and on each way person: somebody stands there, or closed-door: a door is shut "
+              "and does not open. The map is made by day");
   command->add_option("--scenario-seed", options.scenario_seed, "What is moved; default: --seed")
       ->check(not_negative());
   add_setting(*command, "--faults", options.trial.faults.scale,

@@ -472,7 +472,10 @@ Prompt Guidance::act(const Pose& pose, TimestampNs now_ns) {
   if (has_arrived(pose)) return arrive_or_stop(pose, now_ns);
   const bool is_at_end = legs_.empty() || (is_last_leg() && left_m(pose) < kAtEnd_m);
   if (is_at_end) {
-    return plan_.reach == Reach::kWhole ? arrive(pose, now_ns) : end_of_way(pose, now_ns);
+    // Who found the way barred in its door stands before the room, however near its end is now.
+    const bool is_before_room = goal_.kind == Goal::Kind::kRoom && !is_in_goal_room(pose);
+    const bool is_there = plan_.reach == Reach::kWhole && !is_before_room;
+    return is_there ? arrive(pose, now_ns) : end_of_way(pose, now_ns);
   }
   const double turn = bearing_error_rad(pose);
   const Leg& leg = legs_[leg_];
@@ -1216,8 +1219,11 @@ Prompt Guidance::no_place(TimestampNs now_ns) {
 // Who says so stands before what a cane found. It is as broad as a body, or, where no way were left
 // then, as a hand: no more of it is known.
 Prompt Guidance::blocked(const Pose& pose, TimestampNs now_ns) {
-  // What is in the way at the end of the way is the goal, or what it stands on.
-  if (plan_.reach == Reach::kWhole && is_last_leg() && left_m(pose) < 2 * kLegEnd_m) {
+  // What is in the way at the end of the way is the goal, or what it stands on; before its room it
+  // is the door.
+  const bool is_near = plan_.reach == Reach::kWhole && is_last_leg() && is_in_goal_room(pose) &&
+                       left_m(pose) < 2 * kLegEnd_m;
+  if (is_near) {
     // Unless they are farther from it than they could be, and have not tried yet.
     if (is_in_reach(pose) || was_barred_here(pose)) return arrive(pose, now_ns);
     count_barred(pose);

@@ -1116,6 +1116,21 @@ TEST_F(GuidanceTest, WhoComesNoFurtherIsToldTheRestAndNotSentAgain) {
   EXPECT_EQ(guidance_->state(), State::kNearest);
 }
 
+// In its frame, where what bars the door leaves no more of the room than the way's end.
+TEST_F(GuidanceTest, WhoIsBarredByTheRoomsDoorIsNotToldToBeThere) {
+  grid_ = testing::two_rooms().fill({43, 28}, {60, 40}, FloorCell::kOccupied).grid();
+  lead_to(room("kitchen"), {3.6, 3.45}, 0);
+  std::vector<std::string> said = hear(8);
+  for (int i = 0; i < 6 && !guidance_->is_over(); ++i) {
+    place_.x() = 3.95;
+    (void)hear(2);
+    said.push_back(ask(GuidanceRequest::kBlocked));
+    for (const std::string& text : hear(4)) said.push_back(text);
+  }
+  EXPECT_EQ(guidance_->state(), State::kNearest) << ::testing::PrintToString(said);
+  EXPECT_THAT(said, Not(::testing::Contains(StartsWith("You are there"))));
+}
+
 TEST_F(GuidanceTest, LessThanHalfAStepIsASmallOne) {
   Goal spot;
   spot.kind = Goal::Kind::kSpot;

@@ -80,6 +80,7 @@ class HomeDrawing {
 std::string outcome_of(const GuidedWalk& walk) {
   if (walk.arrived()) return "arrived";
   if (!walk.is_offered) return "not known to the home";
+  if (walk.is_told_not_reachable()) return "not reachable, and told so";
   if (walk.says_there) return "was told so, and is not there";
   return walk.has_ended ? "not led there, and told so" : "gave up";
 }
@@ -111,14 +112,14 @@ std::vector<std::vector<std::string>> rows_of(const GuidedWalk& walk) {
 
 }  // namespace
 
-std::string guidance_page(const WalkedHome& home, std::span<const GuidedWalk> walks,
+std::string guidance_page(std::span<const GuidedWalk> walks, const HomeOfWalk& home_of,
                           const std::string& title, const std::string& note) {
   std::string body;
   for (std::size_t i = 0; i < walks.size(); ++i) {
     const GuidedWalk& walk = walks[i];
     const std::string name =
         fmt::format("Walk {}: to {}, {}", i + 1, walk.goal.goal.noun.name, outcome_of(walk));
-    HomeDrawing drawing(home, name);
+    HomeDrawing drawing(home_of(i), name);
     drawing.draw(walk);
     body += fmt::format(
         "<h2>{}</h2>\n<p>{:.1f} m walked, {:.1f} m the shortest way; {:.0f} s; {} "

@@ -318,6 +318,9 @@ TrialSummary summarise(std::span<const GuidedWalk> walks) {
     KindSummary& of_kind = summary.by_kind[std::string(to_string(walk.goal.goal.kind))];
     ++of_kind.goals;
     of_kind.arrived += walk.arrived() ? 1 : 0;
+    summary.hindered += walk.goal.is_hindered ? 1 : 0;
+    summary.without_way += walk.goal.is_reachable ? 0 : 1;
+    summary.not_reachable += walk.is_told_not_reachable() ? 1 : 0;
     summary.over_stairs += walk.goal.is_over_stairs ? 1 : 0;
     summary.arrived_over_stairs += walk.goal.is_over_stairs && walk.arrived() ? 1 : 0;
     summary.says_there_wrongly += walk.says_there && !walk.is_there ? 1 : 0;

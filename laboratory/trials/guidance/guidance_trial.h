@@ -70,6 +70,10 @@ struct GuidedWalk {
 
   // Was led there and told so.
   [[nodiscard]] bool arrived() const { return says_there && is_there; }
+  // There is no way as things are, and the guide said that it knows none.
+  [[nodiscard]] bool is_told_not_reachable() const {
+    return !goal.is_reachable && has_ended && !says_there;
+  }
   [[nodiscard]] int late() const;
   [[nodiscard]] int wrong() const;
   [[nodiscard]] int contacts_by_prompt() const;
@@ -92,6 +96,8 @@ struct TrialSummary {
   std::size_t goals = 0, offered = 0, arrived = 0;
   std::map<std::string, KindSummary, std::less<>> by_kind;  // of goal; those there are
   std::size_t over_stairs = 0, arrived_over_stairs = 0;     // of goals on another storey
+  std::size_t hindered = 0;                                 // something was in the way
+  std::size_t without_way = 0, not_reachable = 0;           // no other way; and the guide said so
   std::size_t says_there_wrongly = 0;                       // told so, and is not
   double spl = 0;  // success weighted by path length: mean of arrived * shortest / max(both)
   // Of those who arrived: the path over the shortest one; mean, and standard deviation.

@@ -50,6 +50,7 @@ class GuidanceTrialTest : public ::testing::Test {
   }
 
   const WalkedHome home_{two_rooms()};
+  const HomeOfWalk same_ = [this](std::size_t) -> const WalkedHome& { return home_; };
   std::optional<GuidedMap> map_;
 };
 
@@ -107,7 +108,7 @@ TEST_F(GuidanceTrialTest, ThePageShowsEachWalkWithWhatWasHeard) {
   TrialOptions options;
   options.goals.goals = 2;
   const auto all = walks(options);
-  const std::string page = guidance_page(home_, all, "Walks", "modelled");
+  const std::string page = guidance_page(all, same_, "Walks", "modelled");
   EXPECT_THAT(page, HasSubstr("Walk 2: to "));
   EXPECT_THAT(page, HasSubstr(all[0].heard[0].text));
   EXPECT_THAT(page, HasSubstr("<svg"));
@@ -222,6 +223,7 @@ class ContactTest : public ::testing::Test {
 
   simulation::HomeModel model_ = simulation::square_rooms(1);
   WalkedHome home_{model_};
+  const HomeOfWalk same_ = [this](std::size_t) -> const WalkedHome& { return home_; };
   TrialOptions options_{.max_s = 30};
 };
 
@@ -234,7 +236,7 @@ TEST_F(ContactTest, APromptCausedWhatItLeadsStraightInto) {
   EXPECT_TRUE(led.contacts[0].is_by_prompt);
   EXPECT_LT(led.contacts[0].place.x(), 2);
   EXPECT_EQ(summarise(std::span(&led, 1)).contacts_by_prompt, 1u);
-  const std::string page = guidance_page(home_, std::span(&led, 1), "Walks", "scripted");
+  const std::string page = guidance_page(std::span(&led, 1), same_, "Walks", "scripted");
   EXPECT_THAT(page, HasSubstr("1 contacts, 1 of them by prompts"));
   EXPECT_THAT(page, HasSubstr("Touched: table"));
   EXPECT_THAT(page, HasSubstr("by prompt 1"));
@@ -251,7 +253,7 @@ TEST_F(ContactTest, WhoVeersIntoWhatTheyWereLedPastDidItThemselves) {
   EXPECT_EQ(led.contacts[0].prompt, 0u);
   EXPECT_FALSE(led.contacts[0].is_by_prompt);
   EXPECT_EQ(summarise(std::span(&led, 1)).contacts_by_prompt, 0u);
-  EXPECT_THAT(guidance_page(home_, std::span(&led, 1), "Walks", "scripted"),
+  EXPECT_THAT(guidance_page(std::span(&led, 1), same_, "Walks", "scripted"),
               HasSubstr("the walker&#39;s own"));
   options_.faults.scale = 0;
   EXPECT_THAT(walk(words).contacts, IsEmpty());

@@ -106,21 +106,6 @@ std::string thing_at(const HomeModel& home, const Vector2d& place, std::size_t f
   return fmt::format("{} wall of the {}", side, room.name);
 }
 
-// The shortest way from a place to where somebody is there; nothing where there is none.
-std::optional<double> shortest_way_m(const WalkedHome& home, const GuidedGoal& goal,
-                                     const GoalOptions& options) {
-  guide::FloorSearch search(home.floor, options.body_radius_m, options.body_radius_m);
-  search.lead_over(home.storeys.stairs());
-  const auto from =
-      search.nearest_free(goal.start, home.floor.cell_m(), [](const Vector2d&) { return true; });
-  if (!from) return std::nullopt;
-  const auto way = search.find(*from, [&](const Vector2d& place) {
-    return is_there(home.model, goal, place, options) ? std::optional(0.0) : std::nullopt;
-  });
-  if (way.empty()) return std::nullopt;
-  return guide::length_m(search.straightened(way, options.body_radius_m), home.storeys.stairs());
-}
-
 class GoalChooser {
  public:
   GoalChooser(const GuidedMap& map, const WalkedHome& home, const GoalOptions& options)
@@ -375,6 +360,20 @@ bool is_there(const HomeModel& home, const GuidedGoal& goal, const Vector2d& pla
   if (goal.room && simulation::room_at(home, place) != *goal.room) return false;
   if (!goal.outline) return contains(home.rooms[*goal.room].interior, place);
   return goal.outline->distance_m(place) <= goal.nearest_stand_m + options.arrived_m;
+}
+
+std::optional<double> shortest_way_m(const WalkedHome& home, const GuidedGoal& goal,
+                                     const GoalOptions& options) {
+  guide::FloorSearch search(home.floor, options.body_radius_m, options.body_radius_m);
+  search.lead_over(home.storeys.stairs());
+  const auto from =
+      search.nearest_free(goal.start, home.floor.cell_m(), [](const Vector2d&) { return true; });
+  if (!from) return std::nullopt;
+  const auto way = search.find(*from, [&](const Vector2d& place) {
+    return is_there(home.model, goal, place, options) ? std::optional(0.0) : std::nullopt;
+  });
+  if (way.empty()) return std::nullopt;
+  return guide::length_m(search.straightened(way, options.body_radius_m), home.storeys.stairs());
 }
 
 Expected<std::vector<GuidedGoal>> choose_goals(const GuidedMap& map, const WalkedHome& home,

@@ -66,6 +66,8 @@ struct GuidedGoal {
   std::string word = {};
   double shortest_m = 0;        // from the start to the nearest place that counts as there
   bool is_over_stairs = false;  // it lies on another storey than the start
+  bool is_hindered = false;     // something is in the way that the map does not know of
+  bool is_reachable = true;     // as things are now
 };
 
 struct GoalOptions {
@@ -85,6 +87,10 @@ struct GoalOptions {
 // give or take arrived_m.
 [[nodiscard]] bool is_there(const simulation::HomeModel& home, const GuidedGoal& goal,
                             const Eigen::Vector2d& place, const GoalOptions& options);
+
+// The shortest way from the start to where somebody is there; nothing where there is none.
+[[nodiscard]] std::optional<double> shortest_way_m(const WalkedHome& home, const GuidedGoal& goal,
+                                                   const GoalOptions& options);
 
 // Things, rooms, doors, spots and the way out, drawn by the seed, and places to begin from; only
 // what a person can reach as things are now.
