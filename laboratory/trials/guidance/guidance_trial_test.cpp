@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <numbers>
 
+#include "laboratory/simulation/home/home_geometry.h"
 #include "laboratory/simulation/testing/test_homes.h"
 #include "laboratory/trials/guidance/guidance_page.h"
+#include "laboratory/trials/guidance/hindrance.h"
 #include "roomwise/base/testing/testing.h"
 
 namespace roomwise::trials {
@@ -310,6 +313,112 @@ TEST_F(GuidanceTrialTest, WhatIsTouchedHasAName) {
   EXPECT_EQ(home_.nearest_thing({3.9, 0.5}), "right wall of the hall");
   EXPECT_EQ(home_.nearest_thing({2, 0.1}), "lower wall of the hall");
   EXPECT_EQ(home_.nearest_thing({6, 3.9}), "upper wall of the study");
+}
+
+// ---- what is in the way ----
+
+class HindranceTest : public GuidanceTrialTest {
+ protected:
+  [[nodiscard]] std::vector<WalkGround> hindered(Hindrance hindrance,
+                                                 const WalkedHome& home) const {
+    const auto goals = choose_goals(*map_, home, options_.goals);
+    EXPECT_OK(goals);
+    return hinder(*map_, std::make_shared<const WalkedHome>(home), *goals, hindrance, options_);
+  }
+  [[nodiscard]] static const simulation::PlacedObject* person_in(const WalkedHome& home) {
+    const auto& objects = home.model.objects;
+    const auto found = std::ranges::find(objects, "person", &simulation::PlacedObject::name);
+    return found == objects.end() ? nullptr : &*found;
+  }
+
+  TrialOptions options_{.position = {.wrong_share = 0, .has_depth = true}};
+};
+
+TEST_F(HindranceTest, HasANameOrIsNone) {
+  EXPECT_EQ(parse_hindrance("person"), Hindrance::kPerson);
+  EXPECT_EQ(parse_hindrance("closed-door"), Hindrance::kClosedDoor);
+  EXPECT_FALSE(parse_hindrance("day"));
+}
+
+TEST_F(HindranceTest, WithoutOneAllIsAsItWas) {
+  for (const WalkGround& ground : hindered(Hindrance::kNone, home_)) {
+    EXPECT_FALSE(ground.goal.is_hindered);
+    EXPECT_EQ(person_in(*ground.home), nullptr);
+  }
+}
+
+TEST_F(HindranceTest, SomebodyStandsOnTheWayAndTheWalkGoesRoundThem) {
+  options_.faults.scale = 0;
+  std::size_t seen = 0, arrived = 0;
+  const auto grounds = hindered(Hindrance::kPerson, home_);
+  for (std::size_t i = 0; i < grounds.size(); ++i) {
+    const auto& [home, goal] = grounds[i];
+    if (!goal.is_hindered || !goal.is_reachable) continue;
+    ++seen;
+    const simulation::PlacedObject* const person = person_in(*home);
+    ASSERT_NE(person, nullptr);
+    const Eigen::Vector2d place = person->world_from_object.translation.head<2>();
+    EXPECT_GE((place - goal.start).norm(), 0.9) << "straight on a metre of way is less";
+    EXPECT_EQ(home->nearest_thing(place), "person");
+    EXPECT_EQ(map_->floor.at(place), fusion::FloorCell::kFree);
+    arrived += lead(*map_, *home, goal, options_, i).arrived() ? 1 : 0;
+  }
+  EXPECT_GE(seen, 10u);
+  EXPECT_GE(arrived + 2, seen);
+  // The same with the same seed, elsewhere with another.
+  const auto again = hindered(Hindrance::kPerson, home_);
+  EXPECT_EQ(person_in(*again[0].home)->world_from_object.translation,
+            person_in(*grounds[0].home)->world_from_object.translation);
+}
+
+TEST_F(HindranceTest, AShutDoorThatIsTheOnlyWayIsToldOfAndCounted) {
+  simulation::HomeModel model = two_rooms();
+  model.doors[0].has_leaf = true;
+  const WalkedHome home(model);
+  const auto grounds = hindered(Hindrance::kClosedDoor, home);
+  std::vector<GuidedWalk> led;
+  for (std::size_t i = 0; i < grounds.size(); ++i) {
+    const GuidedGoal& goal = grounds[i].goal;
+    EXPECT_EQ(goal.is_reachable, !goal.is_hindered);
+    if (goal.is_hindered) led.push_back(lead(*map_, *grounds[i].home, goal, options_, i));
+  }
+  ASSERT_GE(led.size(), 3u);
+  for (const GuidedWalk& walk : led) {
+    EXPECT_FALSE(walk.arrived());
+    EXPECT_TRUE(walk.is_told_not_reachable());
+  }
+  const TrialSummary summary = summarise(led);
+  EXPECT_EQ(summary.hindered, led.size());
+  EXPECT_EQ(summary.without_way, led.size());
+  EXPECT_EQ(summary.not_reachable, led.size());
+  EXPECT_EQ(summary.arrived, 0u);
+}
+
+TEST_F(HindranceTest, WhoGivesUpWasToldNothing) {
+  GuidedWalk walk;
+  walk.goal.is_hindered = true;
+  walk.goal.is_reachable = false;
+  EXPECT_FALSE(walk.is_told_not_reachable());
+  walk.has_ended = true;
+  EXPECT_TRUE(walk.is_told_not_reachable());
+  walk.says_there = true;
+  EXPECT_FALSE(walk.is_told_not_reachable());
+}
+
+TEST_F(HindranceTest, PeopleAreDrawnAsBroadAsTheyAre) {
+  const auto load = with_people(simulation::load_box);
+  const auto body = load("person");
+  ASSERT_OK(body);
+  Eigen::AlignedBox3f bounds;
+  for (const Eigen::Vector3f& place : body->positions) bounds.extend(place);
+  EXPECT_TRUE(bounds.sizes().isApprox(Eigen::Vector3f(0.5F, 0.3F, 1.7F), 1e-3F));
+  for (const auto& triangle : body->triangles) {
+    const auto at = [&](int i) { return body->positions[triangle.corners[i]]; };
+    const Eigen::Vector3f outward = (at(1) - at(0)).cross(at(2) - at(0));
+    EXPECT_GT(outward.dot(body->normals[triangle.corners[0]]), 0);
+  }
+  EXPECT_OK(load("box"));
+  EXPECT_ERROR(load("bed"), "no model 'bed'");
 }
 
 TEST(WalkerFaultsTest, SayWhatIsWrong) {

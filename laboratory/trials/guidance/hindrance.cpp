@@ -109,7 +109,7 @@ std::vector<WalkGround> hinder(const GuidedMap& map, const std::shared_ptr<const
   return grounds;
 }
 
-// As broad as deep bodies are drawn in plans: an oval column.
+// As bodies are drawn in plans: an oval column.
 simulation::MeshLoader with_people(simulation::MeshLoader load) {
   return [load = std::move(load)](const std::string& model) -> Expected<simulation::TriangleMesh> {
     if (model != kPersonsModel) return load(model);
