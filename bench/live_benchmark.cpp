@@ -5,7 +5,8 @@
 // for every part of the run: the time from a question to its answer, the age of the picture that
 // the answer rests on, and the time until espeak-ng has made sound of its words (the tone before
 // them needs none), each as median, 95 % and most; frames looked at and dropped of each device;
-// processor time a frame; resident memory.
+// processor time a frame; resident memory. With --led each device is led meanwhile, to one goal of
+// the home after the other.
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
@@ -39,6 +40,7 @@ struct Options {
   std::size_t frame_workers = ThreadPool::default_size();
   double rate_hz = 10;
   bool depth = false;
+  bool led = false;
 };
 
 struct EncodedFrame {
@@ -55,6 +57,8 @@ struct Experience {
   std::size_t sent = 0;
   std::size_t looked_at = 0;
   std::uint64_t dropped_by_computer = 0;
+  std::size_t walks = 0;    // that it was led on
+  std::size_t prompts = 0;  // that it was led by
 };
 
 class BenchDevice {
@@ -116,9 +120,20 @@ class BenchDevice {
       if (const auto* arrived = std::get_if<service::FrameArrived>(&read)) {
         under_way = false;
         lived.dropped_by_computer = arrived->dropped;
+      } else if (const auto* welcome = std::get_if<service::Welcome>(&read)) {
+        rooms_ = welcome->rooms;
       } else if (std::get_if<service::Seen>(&read) != nullptr) {
         ++lived.looked_at;
+        const bool may_be_led = options_.led && !rooms_.empty() && now < end_ms;
+        if (may_be_led && !std::exchange(is_led_, true)) {
+          ask_to_be_led(kFirstGoal + static_cast<std::int64_t>(led_to_), now);
+          ++lived.walks;
+        }
       } else if (const auto* prompt = std::get_if<service::PromptMessage>(&read)) {
+        if (prompt->key == "guide") {
+          ++lived.prompts;
+          is_led_ = is_led_ && !ends_walk(prompt->message);
+        }
         const auto question = asked.find(prompt->answer_to.value_or(-1));
         if (question == asked.end()) continue;
         const double came = now_ms();
@@ -135,9 +150,24 @@ class BenchDevice {
   }
 
  private:
+  static constexpr std::int64_t kFirstGoal = 1'000'000;  // ids that no other question has
+
+  void ask_to_be_led(std::int64_t id, double now_ms) {
+    service::Ask ask{id, now_ms, service::Question::kTakeMeTo, rooms_[led_to_++ % rooms_.size()]};
+    ask.is_room = true;
+    need_done(connection_->send_text(write(service::DeviceMessage(ask))));
+  }
+  static bool ends_walk(std::string_view message) {
+    return message.starts_with("guide.there_") || message == "guide.near_end" ||
+           message == "guide.ended" || message == "guide.room_next";
+  }
+
   const Options& options_;
   std::span<const EncodedFrame> frames_;
   std::unique_ptr<service::ServerConnection> connection_;
+  std::vector<std::string> rooms_;  // of the home
+  std::size_t led_to_ = 0;
+  bool is_led_ = false;
 };
 
 std::vector<EncodedFrame> read_frames(recording::FrameSource& source) {
@@ -170,18 +200,23 @@ void print(const std::vector<Experience>& devices, std::string_view part, double
     all.unanswered += one.unanswered;
     all.sent += one.sent;
     all.looked_at += one.looked_at;
+    all.walks += one.walks;
+    all.prompts += one.prompts;
     looked_at.push_back(one.looked_at);
   }
   const auto within = std::ranges::count_if(all.age_ms, [](double age) { return age <= 400; });
   fmt::print(
       "{}: {} questions, answered after {} ms, sound of the words after {} ms, by a picture {} ms "
       "old ({:.1f} % within 400), {} "
-      "stale, {} unanswered; frames sent {}, looked at {} ({}); {:.0f} CPU-ms a look; {:.0f} MB\n",
+      "stale, {} unanswered; frames sent {}, looked at {} ({}); {:.0f} CPU-ms a look; {:.0f} MB; "
+      "led on {} walks "
+      "by {} prompts\n",
       part, all.answer_ms.size(), spread(all.answer_ms), spread(all.words_ms), spread(all.age_ms),
       100.0 * static_cast<double>(within) /
           static_cast<double>(std::max<std::size_t>(1, all.age_ms.size())),
       all.stale, all.unanswered, all.sent, all.looked_at, fmt::join(looked_at, " "),
-      cpu / static_cast<double>(std::max<std::size_t>(1, all.looked_at)), max_mb);
+      cpu / static_cast<double>(std::max<std::size_t>(1, all.looked_at)), max_mb, all.walks,
+      all.prompts);
   std::fflush(stdout);
 }
 
@@ -260,6 +295,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.1, 100.0))
       ->capture_default_str();
   app.add_flag("--depth", options.depth, "Send depth too");
+  app.add_flag("--led", options.led, "Each device is led from room to room meanwhile");
   app.add_option("--looking-threads", options.frame_workers,
                  "That look at devices' frames; default: as serve, all processors")
       ->check(CLI::Range(1, 64));
