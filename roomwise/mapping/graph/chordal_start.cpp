@@ -148,9 +148,11 @@ bool set_places(const NumberedGraph& graph, std::vector<RigidTransform>& poses) 
 
 }  // namespace
 
-std::optional<std::vector<RigidTransform>> chordal_start(const NumberedGraph& graph) {
+std::optional<std::vector<RigidTransform>> chordal_start(const NumberedGraph& graph,
+                                                         const Interruption& interruption) {
   std::vector<RigidTransform> poses = graph.world_from_node;
-  if (!set_turns(graph, poses) || !set_places(graph, poses)) return std::nullopt;
+  if (interruption.interrupted() || !set_turns(graph, poses)) return std::nullopt;
+  if (interruption.interrupted() || !set_places(graph, poses)) return std::nullopt;
   return poses;
 }
 

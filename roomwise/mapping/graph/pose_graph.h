@@ -56,8 +56,8 @@ struct PoseGraphReport {
 // gives the same bits. Fails, naming node or edge and leaving the graph as it was, on an edge to a
 // node that is not there or to itself, poses or information that are not finite, quaternions not of
 // unit length, information that is not symmetric, and when it is interrupted, which it asks for
-// before each iteration. Where `max_iterations` did not suffice, the poses are the best so far and
-// the report says so.
+// before each step of the relaxation and each iteration. Where `max_iterations` did not suffice,
+// the poses are the best so far and the report says so.
 [[nodiscard]] Expected<PoseGraphReport> optimize(PoseGraph& graph,
                                                  const PoseGraphOptions& options = {},
                                                  const Interruption& interruption = {});

@@ -104,7 +104,8 @@ geometry::MinimizerSummary minimize(NumberedGraph& graph, const PoseGraphOptions
   constexpr double kRounding = 1e-12;  // steps that are so small next to the poses are none
   if (graph.fixed_poses == graph.world_from_node.size()) return {};
   if (options.relaxes_start) {
-    auto relaxed = chordal_start(graph);
+    auto relaxed = chordal_start(graph, interruption);
+    if (interruption.interrupted()) return {.termination = geometry::Termination::kInterrupted};
     if (relaxed && cost_of(graph, *relaxed) < cost_of(graph, graph.world_from_node))
       graph.world_from_node = *std::move(relaxed);
   }
