@@ -19,8 +19,9 @@ struct FloorPlace {
   std::optional<std::size_t> room;                        // index into layout.rooms()
 };
 
-// The places that people can reach from each other are joined by edges, since pieces that touch
-// are. What is not known to be free is no place.
+// Pieces that touch are joined by an edge, so that edges lead between all places of one storey that
+// people can reach from each other on its floor. Stairs join none. What is not known to be free is
+// no place.
 struct FloorPlaces {
   std::vector<FloorPlace> places;
   std::vector<std::array<std::size_t, 2>> edges;  // indices, the smaller first; each once
