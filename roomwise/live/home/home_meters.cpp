@@ -20,11 +20,23 @@ std::string_view why(ErrorCode code) {
   return "other";
 }
 
+std::string_view kind_of(service::Question question) {
+  switch (question) {
+    case service::Question::kWayTo:
+    case service::Question::kTakeMeTo:
+    case service::Question::kTakeMeBack:
+    case service::Question::kGuide:
+      return "way";
+    default:
+      return service::to_string(question);
+  }
+}
+
 }  // namespace
 
 void HomeMeters::answered(service::Question question, double seconds) {
   const std::scoped_lock lock(mutex_);
-  answers_.try_emplace(question, service::kWaitingBounds_s).first->second.add(seconds);
+  answers_.try_emplace(kind_of(question), service::kWaitingBounds_s).first->second.add(seconds);
 }
 
 void HomeMeters::looked(double seconds, bool well) {
@@ -84,9 +96,7 @@ void HomeMeters::networks_changed(std::size_t count) {
 void HomeMeters::write(service::MetricsText& text) const {
   const std::scoped_lock lock(mutex_);
   text.family("question_seconds", "histogram", "From a question's coming to its answer's going.");
-  for (const auto& [question, times] : answers_) {
-    text.histogram({{"question", service::to_string(question)}}, times);
-  }
+  for (const auto& [kind, times] : answers_) text.histogram({{"question", kind}}, times);
   text.family("frame_seconds", "histogram", "Looking at a frame that a device sent.");
   text.histogram({}, frames_);
   text.single("frames_failed_total", "counter", "Frames that could not be looked at.",

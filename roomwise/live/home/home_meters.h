@@ -21,7 +21,8 @@ class HomeMeters {
   // `log` is told a line of each job, of what failed, and of a disk that gets full; on any thread.
   explicit HomeMeters(std::function<void(std::string_view)> log) : log_(std::move(log)) {}
 
-  // From a question's coming to its answer's going.
+  // From a question's coming to its answer's going. Questions for a way are counted as one kind,
+  // whether somebody is led or only told: that somebody is led is theirs to show.
   void answered(service::Question question, double seconds);
   // A device's frame was looked at, or could not be.
   void looked(double seconds, bool well);
@@ -42,7 +43,7 @@ class HomeMeters {
 
   std::function<void(std::string_view)> log_;
   mutable std::mutex mutex_;
-  std::map<service::Question, service::LatencyHistogram> answers_;
+  std::map<std::string_view, service::LatencyHistogram> answers_;  // by kind of question
   service::LatencyHistogram frames_{service::kWaitingBounds_s};
   std::uint64_t frames_failed_ = 0;
   std::map<std::string, service::LatencyHistogram> jobs_;                  // ended, by kind

@@ -9,6 +9,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class HomeMetersTest : public ::testing::Test {
  protected:
@@ -33,6 +34,16 @@ TEST_F(HomeMetersTest, QuestionsAreTimedByTheirKind) {
   EXPECT_THAT(text, HasSubstr("roomwise_frame_seconds_count 2\n"));
   EXPECT_THAT(text, HasSubstr("roomwise_frames_failed_total 1\n"));
   EXPECT_THAT(lines, ElementsAre());
+}
+
+TEST_F(HomeMetersTest, DoNotTellThatSomebodyIsLed) {
+  using service::Question;
+  for (const Question question :
+       {Question::kWayTo, Question::kTakeMeTo, Question::kTakeMeBack, Question::kGuide})
+    meters.answered(question, 0.1);
+  const std::string text = written();
+  EXPECT_THAT(text, HasSubstr("question_seconds_count{question=\"way\"} 4\n"));
+  for (const char* told : {"way_to", "take_me", "guide"}) EXPECT_THAT(text, Not(HasSubstr(told)));
 }
 
 TEST_F(HomeMetersTest, JobsAreCountedAndTold) {
