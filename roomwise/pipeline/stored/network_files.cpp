@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "roomwise/base/file.h"
@@ -79,9 +80,23 @@ Expected<std::vector<EightBitFile>> ways_of_eight_bits(const home::Home& home,
 
 // A network's weights file that is here.
 struct FileHere {
+  FileHere(fs::path file, std::string known_as)
+      : path(std::move(file)), name(std::move(known_as)) {}
+
   fs::path path;
   std::string name;  // a detector is known by its file's
-  std::string sha256;
+
+  // Empty where the file cannot be read. Read once: it may be large.
+  [[nodiscard]] const std::string& sha256() {
+    if (!sha256_) {
+      const auto bytes = read_file(path);
+      sha256_ = bytes ? sha256_hex(*bytes) : std::string();
+    }
+    return *sha256_;
+  }
+
+ private:
+  std::optional<std::string> sha256_;
 };
 
 std::vector<FileHere> weights_here(const std::vector<fs::path>& files) {
@@ -91,21 +106,24 @@ std::vector<FileHere> weights_here(const std::vector<fs::path>& files) {
     if (!network::has_ending_of_network(file) || !fs::exists(file, ignored)) continue;
     const auto card = network::find_model_card(file);
     const bool is_named = card && !network::finds_things(card->task);
-    const auto bytes = read_file(file);
-    here.push_back({file, is_named ? card->name : file.stem().string(),
-                    bytes ? sha256_hex(*bytes) : std::string()});
+    here.emplace_back(file, is_named ? card->name : file.stem().string());
   }
   return here;
 }
 
-void compare(NeededNetwork& needed, const std::vector<FileHere>& here) {
+// Of files with the same bytes one of the network's name goes first, so that others are mostly not
+// read at all.
+void compare(NeededNetwork& needed, std::vector<FileHere>& here) {
   if (const auto* entry = published(needed)) needed.published_as = entry->name;
-  auto found = std::ranges::find(here, needed.sha256, &FileHere::sha256);
+  std::ranges::stable_partition(here,
+                                [&](const FileHere& file) { return file.name == needed.name; });
+  auto found =
+      std::ranges::find_if(here, [&](FileHere& file) { return file.sha256() == needed.sha256; });
   const bool is_right = found != here.end();
   if (!is_right) found = std::ranges::find(here, needed.name, &FileHere::name);
   if (found == here.end()) return;
   needed.file = found->path;
-  needed.found_sha256 = found->sha256;
+  needed.found_sha256 = found->sha256();
   const auto is_damaged = [&] {
     return is_said_of(found->path, needed) ||
            !network::read_network_file(found->path, std::nullopt);
@@ -134,8 +152,9 @@ std::string_view name_of(NetworkFileState state) {
 Expected<std::vector<NeededNetwork>> check_network_files(const home::Home& home,
                                                          const std::vector<fs::path>& files) {
   ROOMWISE_TRY(std::vector<NeededNetwork> stored, stored_networks(home));
+  if (stored.empty()) return stored;
   ROOMWISE_TRY(const std::vector<EightBitFile> ways, ways_of_eight_bits(home, files));
-  const std::vector<FileHere> here = weights_here(files);
+  std::vector<FileHere> here = weights_here(files);
   std::vector<NeededNetwork> needed;
   for (NeededNetwork& one : stored) {
     const auto way = std::ranges::find(ways, one.sha256, &EightBitFile::fingerprint);

@@ -62,6 +62,16 @@ TEST_F(NetworkFilesTest, TheSameBytesAreRight) {
   EXPECT_EQ(only().file, folder_ / "tiny.onnx");
 }
 
+TEST_F(NetworkFilesTest, OfFilesWithTheBytesTheOneOfTheNameIsLookedAtFirst) {
+  write("finder.onnx", network_);
+  store_rooms("finder", sha256_);
+  EXPECT_EQ(only().state, NetworkFileState::kRight);
+  EXPECT_EQ(only().file, folder_ / "finder.onnx");
+  write("finder.onnx", "something else");
+  EXPECT_EQ(only().state, NetworkFileState::kRight);
+  EXPECT_EQ(only().file, folder_ / "tiny.onnx");
+}
+
 TEST_F(NetworkFilesTest, OneFlippedByteIsDamageWhereItsCardHasTheDigest) {
   store_rooms("tiny", sha256_);
   write("tiny.card.json",
