@@ -53,6 +53,8 @@ std::string_view to_string(Course course) {
       return "off_way";
     case Course::kLost:
       return "lost";
+    case Course::kByRooms:
+      return "by_rooms";
     case Course::kPaused:
       return "paused";
     case Course::kWaits:
@@ -241,6 +243,8 @@ Course Guidance::course() const {
   switch (state_) {
     case State::kLost:
       return Course::kLost;
+    case State::kByRooms:
+      return Course::kByRooms;
     case State::kPaused:
       return Course::kPaused;
     case State::kArrived:

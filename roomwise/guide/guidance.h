@@ -58,8 +58,9 @@ struct Aim {
 // How it goes, for who looks on.
 enum class Course {
   kOnWay,
-  kOffWay,  // and was told so
-  kLost,    // nobody knows where they are
+  kOffWay,   // and was told so
+  kLost,     // nobody knows where they are
+  kByRooms,  // no way is known: they are told the rooms that they come to
   kPaused,
   kWaits,    // for what is in the way and may go
   kArrived,  // down to here it is over

@@ -130,7 +130,10 @@ void Device::take(const service::DeviceMessage& message) {
                          ask != nullptr ? std::optional(ask->id) : std::nullopt);
   }
   if (is_other_language) home_changed();  // things have other names now
-  if (may_watch) let_watch(*may_watch);
+  if (may_watch) {
+    let_watch(*may_watch);
+    say_whether_watched(*may_watch);
+  }
   if (const auto* const watch = std::get_if<service::Watch>(&message)) {
     if (who_.role != service::Role::kHelper) return refuse(Error{"only helpers may watch"});
     if (!watches_.exchange(watch->on) && watch->on) host_.began_to_watch(*this);
@@ -157,6 +160,7 @@ void Device::greet(const service::Hello& hello) {
     }
   }
   if (is_second) return refuse_unread(Error{"hello was said already; connect anew to change it"});
+  host_.came_anew(*this);
   record_to(host_.recorder_for(*this));
   show_walk(true, /*with_end=*/false);
 }
@@ -194,7 +198,7 @@ void Device::on_message(Bytes bytes) {
   service::FrameArrived arrived{frame.t_ms, 0};
   {
     const std::scoped_lock lock(mutex_);
-    last_heard_t_ms_ = frame.t_ms;
+    heard_at(frame.t_ms);
     if (newest_) ++dropped_;
     newest_ = std::move(frame);
     newest_came_ = Clock::now();
@@ -228,7 +232,7 @@ void Device::hear(const Asked& asked) {
   const service::Ask& ask = asked.ask;
   {
     const std::scoped_lock lock(mutex_);
-    last_heard_t_ms_ = std::max(last_heard_t_ms_, ask.t_ms);
+    heard_at(std::max(last_heard_t_ms_, ask.t_ms));
   }
   if (ask.question != service::Question::kInWords) {
     const std::scoped_lock lock(mutex_);
@@ -251,9 +255,11 @@ void Device::hear(const Asked& asked) {
   }
   if (is_of_watching(ask.question)) {
     const bool may_watch = ask.question == service::Question::kShowWalks;
-    say({guide::may_watch_prompt(may_watch, wording_now(), std::llround(ask.t_ms * 1e6))}, ask.id,
-        {});
+    const std::vector prompts{
+        guide::may_watch_prompt(may_watch, wording_now(), std::llround(ask.t_ms * 1e6))};
+    if (may_watch) say(prompts, ask.id, {});
     let_watch(may_watch);
+    if (!may_watch) say(prompts, ask.id, {});  // once it is so
     return host_.answered(ask.question, seconds_since(asked.came));
   }
   service::Ask now = ask;
@@ -659,6 +665,7 @@ bool Device::work() {
     // What is shown comes last: who has it has all that this frame has to say.
     call_out(*result, came);
     send(seen_of(*result));
+    const std::scoped_lock lock(seen_mutex_);
     host_.saw(*this, *result);
   } else {
     refuse(result.error());
@@ -702,13 +709,42 @@ void Device::call_out(const FrameResult& result, Clock::time_point came) {
 
 // ---- helpers who watch ----
 
+void Device::heard_at(double t_ms) {
+  last_heard_t_ms_ = t_ms;
+  last_heard_ = Clock::now();
+}
+
+double Device::now_t_ms() const {
+  const bool was_heard = last_heard_ != Clock::time_point();
+  return last_heard_t_ms_ + (was_heard ? 1e3 * seconds_since(last_heard_) : 0);
+}
+
 void Device::let_watch(bool may_watch) {
   {
     const std::scoped_lock lock(mutex_);
+    speaks_for_itself_ = true;
     settings_.may_watch = may_watch;
     if (!may_watch) watch_ = {};
   }
   show_walk(true, /*with_end=*/false);
+  if (may_watch) return;
+  const std::scoped_lock lock(seen_mutex_);
+  host_.shows_less(*this);
+}
+
+void Device::let_nobody_watch() {
+  const std::scoped_lock lock(mutex_);
+  speaks_for_itself_ = false;
+  settings_.may_watch = false;
+  watch_ = {};
+}
+
+// Who is led hears it; else who changes a setting has read it.
+void Device::say_whether_watched(bool may_watch) {
+  const std::scoped_lock lock(mutex_);
+  if (!is_led()) return;
+  const TimestampNs now_ns = std::llround(now_t_ms() * 1e6);
+  say({guide::may_watch_prompt(may_watch, wording_of(settings_), now_ns)}, {}, {});
 }
 
 service::WatchedDevice Device::watched(bool with_end) const {
@@ -721,7 +757,7 @@ service::WatchedDevice Device::watched(bool with_end) const {
 void Device::tell_of(std::span<const service::Identity> watchers) {
   const auto names = watch_.to_tell(watchers);
   if (names.empty()) return;
-  const TimestampNs now_ns = std::llround(last_heard_t_ms_ * 1e6);
+  const TimestampNs now_ns = std::llround(now_t_ms() * 1e6);
   say({guide::watched_prompt(names, wording_of(settings_), now_ns)}, {}, {});
 }
 
@@ -732,23 +768,34 @@ void Device::show_walk(bool in_any_case, bool with_end) {
   // Else it would tell that they asked to be led.
   if (with_end && !settings_.may_watch) return;
   if (!in_any_case && !led_) return;
-  const auto watchers = host_.watchers(who_);
-  if (watchers.empty()) return;
+  std::vector<service::Identity> watchers = host_.watchers(who_);
   const service::WatchedDevice now = watched(with_end);
+  if (now.walk && !is_led()) {
+    std::erase_if(watchers, [&](const service::Identity& one) { return !watch_.was_told_of(one); });
+  }
+  if (watchers.empty()) return;
   if (now.walk) {
     const Clock::time_point now_is = Clock::now();
     if (!in_any_case && !watch_.is_due(*now.walk, !is_led(), now_is)) return;
     watch_.was_shown(*now.walk, now_is);
     tell_of(watchers);
   }
-  host_.shows_walk(now);
+  host_.shows_walk(now, watchers);
 }
 
 void Device::show_walk_to(Device& helper) {
   const std::scoped_lock lock(mutex_);
-  if (!greeted_ || closed_ || !camera_ || helper.who_.device == who_.device) return;
+  if (!greeted_ || closed_ || !camera_ || !speaks_for_itself_) return;
+  if (helper.who_.device == who_.device) return;
   const service::WatchedDevice now = watched(/*with_end=*/false);
-  if (now.walk) tell_of({&helper.who_, 1});
+  if (now.walk) {
+    std::vector<service::Identity> watchers = host_.watchers(who_);
+    if (std::ranges::find(watchers, helper.who_.device, &service::Identity::device) ==
+        watchers.end()) {
+      watchers.push_back(helper.who_);
+    }
+    tell_of(watchers);
+  }
   helper.send(now);
 }
 

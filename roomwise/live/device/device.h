@@ -78,9 +78,14 @@ class DeviceHost {
   // they lock no device.
   [[nodiscard]] virtual std::vector<service::Identity> watchers(
       const service::Identity& of) const = 0;
-  // To these.
-  virtual void shows_walk(const service::WatchedDevice& watched) = 0;
+  // To these, as far as they still watch.
+  virtual void shows_walk(const service::WatchedDevice& watched,
+                          std::span<const service::Identity> to) = 0;
   virtual void began_to_watch(Device& helper) = 0;
+  // It came anew: what an older connection of it let helpers watch is over.
+  virtual void came_anew(const Device& device) = 0;
+  // Its person lets helpers see less than before.
+  virtual void shows_less(const Device& device) = 0;
 };
 
 // A client that is connected: takes its frames and questions, answers them by what its newest frame
@@ -107,6 +112,8 @@ class Device : public std::enable_shared_from_this<Device> {
   void was_taught(const std::string& name, const Expected<bool>& taught);
   // To a helper who begins to watch: what its person lets helpers see, who is told first.
   void show_walk_to(Device& helper);
+  // The device came by another connection, whose answer counts.
+  void let_nobody_watch();
   // The frames are stored from now on; null: no longer.
   void record_to(std::shared_ptr<WalkRecorder> recorder);
 
@@ -161,11 +168,15 @@ class Device : public std::enable_shared_from_this<Device> {
   // `came`: when the picture did.
   void call_out(const FrameResult& result, Clock::time_point came);
   void let_watch(bool may_watch);
+  void say_whether_watched(bool may_watch);
   // To helpers who watch, if there is something new. The person is told of them first.
   void show_walk(bool in_any_case, bool with_end = true);
-  // With mutex_ held. A walk that is over is of interest to who watched it alone.
+  // With mutex_ held. A walk that is over is for those who watched it alone.
   [[nodiscard]] service::WatchedDevice watched(bool with_end) const;
+  // With mutex_ held.
   void tell_of(std::span<const service::Identity> watchers);
+  void heard_at(double t_ms);
+  [[nodiscard]] double now_t_ms() const;  // by the device's clock
   // Tells what is wrong.
   void refuse(const Error& error, std::optional<std::int64_t> answer_to = {});
   // The same of a message that could not be read: many of these close the connection.
@@ -182,6 +193,7 @@ class Device : public std::enable_shared_from_this<Device> {
 
   mutable std::mutex mutex_;  // of all below but frame_processor_
   bool greeted_ = false, closed_ = false;
+  bool speaks_for_itself_ = true;  // of watching; else a newer connection of the device does
   std::optional<service::DeviceCamera> camera_;
   service::SpeakingSettings settings_;
   bool quiet_ = false;
@@ -203,6 +215,11 @@ class Device : public std::enable_shared_from_this<Device> {
   bool storing_fails_ = false;
   std::shared_ptr<Teaching> teaching_;  // while a thing is shown; its pictures are taken by work()
   double last_heard_t_ms_ = 0;          // of its last frame or question
+  Clock::time_point last_heard_;        // when that came
+
+  // Held while helpers are told where it is, so that what it showed once comes before what it shows
+  // now. No other is held when it is taken.
+  std::mutex seen_mutex_;
 
   std::optional<FrameProcessor> frame_processor_;  // work() alone
 };

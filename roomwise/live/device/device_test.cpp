@@ -104,10 +104,13 @@ class Host final : public DeviceHost {
   [[nodiscard]] std::vector<service::Identity> watchers(const service::Identity&) const override {
     return watching;
   }
-  void shows_walk(const service::WatchedDevice& watched) override {
+  void shows_walk(const service::WatchedDevice& watched,
+                  std::span<const service::Identity> /*to*/) override {
     walks_shown.push_back(watched);
   }
   void began_to_watch(Device& helper) override { began.push_back(helper.who().device); }
+  void came_anew(const Device& /*device*/) override {}
+  void shows_less(const Device& device) override { shown_less.push_back(device.seen()); }
   [[nodiscard]] Expected<std::vector<guide::SeenPerson>> people_in(
       const FrameImages&, const std::optional<geometry::PinholeCamera>&) const override {
     if (!people) return fail("no eyes");
@@ -118,6 +121,7 @@ class Host final : public DeviceHost {
   std::vector<service::Identity> watching;  // helpers
   std::vector<service::WatchedDevice> walks_shown;
   std::vector<std::int64_t> began;  // to watch
+  std::vector<service::DeviceSeen> shown_less;
 
   std::vector<std::string> marked;
   std::vector<std::pair<std::string, std::size_t>> taught;
@@ -557,6 +561,64 @@ TEST_F(WatchedDeviceTest, AHelperWhoComesLaterSeesWhatIsAndThePersonIsTold) {
   say(service::Ask{2, 200, service::Question::kGuide, "", false, service::GuideWish::kEnd});
   device->show_walk_to(page);
   EXPECT_FALSE(page_wire->take<service::WatchedDevice>().at(0).walk) << "it is over";
+}
+
+TEST_F(WatchedDeviceTest, AWalkThatNobodySawIsShownToNobodyAfterItsEnd) {
+  const auto walk_and_end = [&] {
+    ask(1, 100, service::Question::kTakeMeTo, "bed");
+    say(service::Ask{2, 200, service::Question::kGuide, "", false, service::GuideWish::kEnd});
+  };
+  const auto look_on = [&] {
+    host.walks_shown.clear();
+    wire->texts.clear();
+    for (double t_ms = 300; t_ms < 3000; t_ms += 1000) {
+      show(t_ms);
+      device->work();
+    }
+    EXPECT_THAT(host.walks_shown, IsEmpty());
+    EXPECT_THAT(messages(), ::testing::Not(::testing::Contains("watch.by")));
+  };
+  walk_and_end();
+  say(service::SettingsChange{{}, {}, {}, {}, true});
+  look_on();
+  const auto watching = std::exchange(host.watching, {});
+  walk_and_end();
+  host.watching = watching;
+  look_on();
+}
+
+TEST_F(WatchedDeviceTest, AllWhoWatchAreNamedWhenOneComesToThem) {
+  say(service::SettingsChange{{}, {}, {}, {}, true});
+  ask(1, 100, service::Question::kTakeMeTo, "bed");
+  wire->texts.clear();
+  host.watching.push_back({2, "Tom's tablet", service::Role::kHelper});
+  say(service::Ask{2, 200, service::Question::kGuide, "", false, service::GuideWish::kPause});
+  const auto prompts = wire->take<service::PromptMessage>();
+  ASSERT_THAT(prompts, SizeIs(2));
+  EXPECT_EQ(prompts[1].text, "Watching this walk: Anna's laptop and Tom's tablet.");
+}
+
+TEST_F(WatchedDeviceTest, WhoIsLedHearsThatASettingEndsIt) {
+  say(service::SettingsChange{{}, {}, {}, {}, true});
+  show(50);
+  device->work();
+  ask(1, 100, service::Question::kTakeMeTo, "bed");
+  wire->texts.clear();
+  say(service::SettingsChange{{}, {}, {}, {}, false});
+  EXPECT_THAT(messages(), ::testing::ElementsAre("watch.hidden"));
+  ASSERT_THAT(host.shown_less, SizeIs(1));
+  ASSERT_TRUE(host.shown_less[0].seen);
+  EXPECT_FALSE(host.shown_less[0].seen->position) << "helpers are told to forget where it was";
+}
+
+TEST_F(WatchedDeviceTest, AnOlderConnectionShowsNothingAnyMore) {
+  say(service::SettingsChange{{}, {}, {}, {}, true});
+  ask(1, 100, service::Question::kTakeMeTo, "bed");
+  device->let_nobody_watch();
+  const auto page_wire = std::make_shared<Wire>();
+  Device page({1, "Anna's laptop", service::Role::kHelper}, page_wire, host);
+  device->show_walk_to(page);
+  EXPECT_THAT(page_wire->take<service::WatchedDevice>(), IsEmpty()) << "the newer one tells";
 }
 
 TEST_F(DeviceTest, OnlyHelpersMayWatch) {

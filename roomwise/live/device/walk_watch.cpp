@@ -50,11 +50,13 @@ void WalkWatch::was_shown(const service::WatchedWalk& walk, Time now) {
 }
 
 std::vector<std::string> WalkWatch::to_tell(std::span<const service::Identity> watchers) {
+  bool is_new = false;
   std::vector<std::string> names;
   for (const service::Identity& one : watchers) {
-    if (told_.insert(one.device).second) names.push_back(one.name);
+    is_new |= told_.insert(one.device).second;
+    names.push_back(one.name);
   }
-  return names;
+  return is_new ? names : std::vector<std::string>();
 }
 
 }  // namespace roomwise::live

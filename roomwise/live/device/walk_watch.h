@@ -34,9 +34,13 @@ class WalkWatch {
   [[nodiscard]] bool is_due(const service::WatchedWalk& walk, bool is_over, Time now) const;
   void was_shown(const service::WatchedWalk& walk, Time now);
 
-  // Of those who watch the names of whom the person was not told on this walk: they are from now
-  // on.
+  // The names of all who watch where the person was not told of each of them on this walk, which
+  // counts as done then; else none. Of all, since the newest sentence takes the place of one that
+  // still waits.
   [[nodiscard]] std::vector<std::string> to_tell(std::span<const service::Identity> watchers);
+  [[nodiscard]] bool was_told_of(const service::Identity& watcher) const {
+    return told_.contains(watcher.device);
+  }
 
  private:
   std::optional<service::WatchedWalk::Person> person_;

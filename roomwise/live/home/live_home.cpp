@@ -237,10 +237,24 @@ std::vector<service::Identity> LiveHome::watchers(const service::Identity& of) c
   return watchers;
 }
 
-void LiveHome::shows_walk(const service::WatchedDevice& watched) {
+void LiveHome::shows_walk(const service::WatchedDevice& watched,
+                          std::span<const service::Identity> to) {
   for (const auto& one : all_devices()) {
-    if (one->watches() && one->who().device != watched.device) one->send(watched);
+    const bool is_meant =
+        std::ranges::find(to, one->who().device, &service::Identity::device) != to.end();
+    if (is_meant && one->watches()) one->send(watched);
   }
+}
+
+void LiveHome::came_anew(const Device& device) {
+  for (const auto& one : all_devices()) {
+    if (one.get() != &device && one->who().device == device.who().device) one->let_nobody_watch();
+  }
+}
+
+void LiveHome::shows_less(const Device& device) {
+  const service::DeviceSeen seen = device.seen();
+  if (seen.seen) tell_helpers(seen);
 }
 
 void LiveHome::began_to_watch(Device& helper) {

@@ -207,8 +207,11 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   }
   void sets_out(const service::Identity& who, const Eigen::Vector3d& place_gravity) override;
   [[nodiscard]] std::vector<service::Identity> watchers(const service::Identity& of) const override;
-  void shows_walk(const service::WatchedDevice& watched) override;
+  void shows_walk(const service::WatchedDevice& watched,
+                  std::span<const service::Identity> to) override;
   void began_to_watch(Device& helper) override;
+  void came_anew(const Device& device) override;
+  void shows_less(const Device& device) override;
   // Runs `change` on the home and shows what came of spots, and of nothing else.
   [[nodiscard]] Expected<void> change_spots(
       const std::function<Expected<void>(home::Home&)>& change);

@@ -722,6 +722,7 @@ TEST_F(LiveHomeTest, HelpersWhoWatchAndNobodyElseSeeAWalkWhosePersonLetsThem) {
 
   tell(belt, service::SettingsChange{{}, {}, {}, {}, true});
   EXPECT_TRUE(page.wire->next<service::WatchedDevice>(is_of_belt).may_watch);
+  t_ms += 60'000;  // nobody knows where they are now: they are led, and not there
   tell(belt, service::Ask{3, t_ms, service::Question::kTakeMeTo, "my chair"});
   const auto led = page.wire->next<service::WatchedDevice>(
       [](const service::WatchedDevice& one) { return one.walk.has_value(); });
@@ -733,12 +734,24 @@ TEST_F(LiveHomeTest, HelpersWhoWatchAndNobodyElseSeeAWalkWhosePersonLetsThem) {
   EXPECT_TRUE(reader.wire->next<service::WatchedDevice>(is_of_belt).may_watch);
   tell(reader, service::Watch{false});
 
+  // The phone comes again, where its person said no meanwhile: its old connection is not closed
+  // yet.
+  const Client again = connect(7, service::Role::kDevice);
+  const auto is_no = [](const service::WatchedDevice& one) {
+    return one.device == 7 && !one.may_watch;
+  };
+  EXPECT_FALSE(page.wire->next<service::WatchedDevice>(is_no).walk);
+  tell(reader, service::Watch{true});
+  EXPECT_FALSE(reader.wire->next<service::WatchedDevice>(is_of_belt).may_watch);
+  EXPECT_EQ(reader.wire->count<service::WatchedDevice>(
+                [](const service::WatchedDevice& one) { return one.walk.has_value(); }),
+            0);
+  tell(reader, service::Watch{false});
+  again.session->on_closed();
+  tell(belt, service::SettingsChange{{}, {}, {}, {}, true});
+
   tell(belt, service::Ask{4, t_ms, service::Question::kHideWalks, ""});
-  EXPECT_FALSE(page.wire
-                   ->next<service::WatchedDevice>([](const service::WatchedDevice& one) {
-                     return one.device == 7 && !one.may_watch;
-                   })
-                   .walk);
+  EXPECT_FALSE(page.wire->next<service::WatchedDevice>(is_no).walk);
   for (int i = 0; i < 3; ++i) look();
   EXPECT_EQ(page.wire->count<service::WatchedDevice>(is_of_belt), 0);
   EXPECT_EQ(belt.wire->count<service::WatchedDevice>(), 0) << "helpers alone";

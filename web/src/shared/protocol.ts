@@ -110,7 +110,7 @@ export interface DeviceSeen {
 export interface WatchedWalk {
   language: Language; // of what follows
   goal: string;
-  state: 'on_way' | 'off_way' | 'lost' | 'paused' | 'waiting' | 'arrived' | 'nearest' | 'ended';
+  state: 'on_way' | 'off_way' | 'lost' | 'by_rooms' | 'paused' | 'waiting' | 'arrived' | 'nearest' | 'ended';
   person: { t: number; x: number; y: number; heading_degrees: number; sigma_m: number } | null; // by the newest picture that told
   left_m: number | null;
   way: Point[];

@@ -71,7 +71,7 @@ test('a page watches only while it shows that part', options, () => withServer(a
   const visit = await openVisit(server, { role: 'helper' });
   await visit.go('/');
   await visit.sees('microwave', '.thing');
-  assert.deepEqual(server.newest('helper').told, []);
+  await gets(() => server.newest('helper').told, []);
   await goTo(visit, 'Led now', 'Led now');
   await until(() => server.newest('helper').told.length === 1);
   server.tell('helper', madeUpWalk(2000));
