@@ -152,7 +152,7 @@ TEST_F(StudyCommandTest, GivesTheSameTableHereAndUnderSlurmWhereATaskWasLost) {
               HasSubstr("--array=0-0\n"))
       << "the one that was lost, and no other";
   EXPECT_EQ(table("slurm"), table("here"));
-  EXPECT_THAT(read_text_file(folder_ / "slurm/results.csv").value(), HasSubstr(",n3,"));
+  EXPECT_THAT(read_text_file(folder_ / "slurm/results.csv").value(), HasSubstr(",n3 ("));
 }
 
 TEST_F(StudyCommandTest, AFolderOfStudiesIsCarriedOutByOneCommandWithATableOfEach) {
