@@ -688,8 +688,13 @@ std::optional<Prompt> Guidance::stopped(const Pose& pose, TimestampNs now_ns) {
   if (waits_since_ns_ && seconds_between(*waits_since_ns_, now_ns) < kSameHazard_s)
     return std::nullopt;
   waits_since_ns_.reset();
-  // Who comes no further after some tries is told what is left, and is not sent again.
-  if (was_barred_here(pose) && barred_times_ > kMaxTries) return end_of_way(pose, now_ns);
+  // Who comes no further after some tries is led another way, past what is seen there, or told what
+  // is left; they are not sent again.
+  if (was_barred_here(pose) && barred_times_ > kMaxTries) {
+    bar_what_is_seen();
+    Prompt other_way = act(pose, now_ns);
+    return plan_.reach == Reach::kWhole ? other_way : end_of_way(pose, now_ns);
+  }
   Prompt prompt = act(pose, now_ns);
   if (!std::exchange(is_barred_by_hazard_, false) || plan_.reach == Reach::kWhole) return prompt;
   // Not around it, and it may go, as people do: the way of before holds again after a while.

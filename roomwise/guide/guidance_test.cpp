@@ -340,6 +340,22 @@ TEST_F(GuidanceTest, WhoComesNoFurtherInADoorIsLedBesideItAndThenToldTheRest) {
   EXPECT_EQ(guidance_->state(), State::kNearest) << ::testing::PrintToString(said);
 }
 
+TEST_F(GuidanceTest, WhoComesNoFurtherInADoorIsLedAnotherWayWhereThereIsOne) {
+  grid_ = testing::two_rooms().fill({40, 2}, {42, 12}, FloorCell::kFree).grid();
+  lead_to(room("kitchen"), {2.6, 3.45}, 0);
+  (void)hear(7);
+  std::vector<std::string> said;
+  for (int i = 0; i < 400 && (said.empty() || !said.back().starts_with("Turn")); ++i) {
+    obstacle_m_ = 4.05 - place_.x();
+    const bool walks = guidance_->state() == State::kWalking && place_.x() < 3.3;
+    for (const std::string& text : hear(0.4, walks ? 0.6 : 0)) said.push_back(text);
+    if (!said.empty() && said.back().starts_with("A little")) heading_rad_ = 0;
+  }
+  EXPECT_FALSE(guidance_->is_over()) << ::testing::PrintToString(said);
+  EXPECT_THAT(said, ::testing::Contains("Stop. The door is closed. Open it."));
+  EXPECT_THAT(said.back(), StartsWith("Turn ")) << ::testing::PrintToString(said);
+}
+
 // Where it knows the place it tells of what is in the way of who walks, and of nothing else.
 TEST_F(GuidanceTest, JudgesObstaclesOnlyWhereItKnowsTheirPlace) {
   lead_to(bed_at({7.3, 0.8}, "kitchen"), {0.6, 3.45}, 0);
