@@ -33,7 +33,7 @@ constexpr std::array kKinds{
                   &open_polycam_folder},
     RecordingKind{"ARKitScenes", "lowres_depth and lowres_wide_intrinsics", &is_arkitscenes_folder,
                   &open_arkitscenes_folder},
-    RecordingKind{"7-Scenes", "frame-000000.color.png and .depth.png", &is_seven_scenes_folder,
+    RecordingKind{"7-Scenes", "frame-000000.color.png (or .jpg) and .depth.png", &is_seven_scenes_folder,
                   &open_seven_scenes_folder},
     RecordingKind{"MCAP", "the first bytes of an .mcap file", &is_mcap_file, &open_mcap_recording},
     RecordingKind{"ROS 1 bag, RealSense", "the first bytes of a .bag file", &is_ros1_bag_file,

@@ -161,6 +161,18 @@ TEST_F(PhoneFolders, SevenScenesIsReadWithDepthOfItsOwnCamera) {
   EXPECT_LT((pose * Eigen::Vector3d(0, 0, 1) - Eigen::Vector3d(5, 5, 6)).norm(), 1e-9);
 }
 
+TEST_F(PhoneFolders, SevenScenesIsReadWithPicturesThatSomebodyPacked) {
+  write_seven_scenes();
+  for (const char* name : {"frame-000000.color", "frame-000001.color"}) {
+    std::filesystem::remove(folder_ / (std::string(name) + ".png"));
+    write(std::string(name) + ".jpg", image::encode_jpeg(image::ColorImage(640, 480), 90));
+  }
+  const auto recording = open();
+  ASSERT_OK(recording);
+  EXPECT_EQ((*recording)->kind(), "7-Scenes");
+  EXPECT_EQ((*recording)->frame(1).value()->depth.at(320, 100), 2500);
+}
+
 TEST_F(PhoneFolders, SevenScenesDamageIsNamed) {
   write_seven_scenes();
   write("frame-000001.pose.txt", std::string_view("0 0 1\n"));

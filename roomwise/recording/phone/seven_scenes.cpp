@@ -37,13 +37,16 @@ Expected<geometry::RigidTransform> read_scene_pose(const fs::path& file) {
 }  // namespace
 
 bool is_seven_scenes_folder(const fs::path& folder) {
-  return has_numbered_file(folder, "frame-", ".color.png") &&
+  return (has_numbered_file(folder, "frame-", ".color.png") ||
+          has_numbered_file(folder, "frame-", ".color.jpg")) &&
          has_numbered_file(folder, "frame-", ".depth.png");
 }
 
 Expected<std::unique_ptr<Recording>> open_seven_scenes_folder(const fs::path& folder,
                                                               const RecordingOptions& options) {
-  ROOMWISE_TRY(const auto colors, numbered_files(folder, "frame-", ".color.png"));
+  ROOMWISE_TRY(auto colors, numbered_files(folder, "frame-", ".color.png"));
+  ROOMWISE_TRY(auto packed_colors, numbered_files(folder, "frame-", ".color.jpg"));
+  colors.merge(packed_colors);
   ROOMWISE_TRY(const auto depths, numbered_files(folder, "frame-", ".depth.png"));
   ROOMWISE_TRY(const auto poses, numbered_files(folder, "frame-", ".pose.txt"));
   PhoneListing listing{"7-Scenes", recording_name(folder), {}, {}};
