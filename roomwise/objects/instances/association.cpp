@@ -88,23 +88,6 @@ double share_in_picture(const network::PixelBox& a, const network::PixelBox& b) 
   return static_cast<double>(width * height / std::min(a.area(), b.area()));
 }
 
-// Of those near by, the ones that a picture shows inside, or about, one of the group: the same
-// thing once more.
-Indices duplicates_in_pictures(std::span<const WorldObservation> observations,
-                               std::span<const std::size_t> near, const Indices& group) {
-  constexpr double kSameThing = 0.6;
-  Indices again;
-  for (const std::size_t i : near) {
-    const bool is_again = std::ranges::any_of(group, [&](std::size_t j) {
-      return i != j && look_of(observations[i]) == look_of(observations[j]) &&
-             share_in_picture(observations[i].detection->box, observations[j].detection->box) >=
-                 kSameThing;
-    });
-    if (is_again) again.push_back(i);
-  }
-  return again;
-}
-
 std::vector<Indices> group_by_votes(std::span<const WorldObservation> observations,
                                     Indices unassigned, double reach_m) {
   std::vector<Indices> groups;
@@ -113,10 +96,8 @@ std::vector<Indices> group_by_votes(std::span<const WorldObservation> observatio
     const Indices near = within(observations, unassigned, place, reach_m);
     Indices group = nearest_of_each_look(observations, near, place);
     if (group.empty()) group = {unassigned.front()};  // shifts led away from all of them
-    Indices rest, taken = duplicates_in_pictures(observations, near, group);
-    taken.insert(taken.end(), group.begin(), group.end());
-    std::ranges::sort(taken);
-    std::ranges::set_difference(unassigned, taken, std::back_inserter(rest));
+    Indices rest;
+    std::ranges::set_difference(unassigned, group, std::back_inserter(rest));
     unassigned = std::move(rest);
     groups.push_back(std::move(group));
   }

@@ -11,7 +11,6 @@ namespace roomwise::objects {
 namespace {
 
 constexpr double kSmallSum = 0.1;  // of scores, so that logarithms of ratios stay finite
-constexpr double kMaxLogRatio = 3;
 constexpr double kOnFloor_m = 0.15;
 
 double sum_of_scores(const Candidate& candidate, std::span<const WorldObservation> observations) {
@@ -30,17 +29,14 @@ std::set<std::size_t> keyframes_of(const Candidate& candidate,
 }
 
 double log_ratio(double of, double to) {
-  return std::clamp(std::log((of + kSmallSum) / (to + kSmallSum)), -kMaxLogRatio, kMaxLogRatio);
+  return std::log((of + kSmallSum) / (to + kSmallSum));
 }
 
-// Whether two candidates of different classes may be one thing: of like extent, in one place.
+// Whether two candidates of different classes may be one thing: they are in one place.
 bool are_rivals(const Candidate& a, const Candidate& b) {
-  constexpr double kLikeExtent = 1.0 / 3;
-  const auto [smaller, larger] = std::minmax({a.extent_m(), b.extent_m()});
   const double apart_m = std::min((a.middle_world - b.middle_world).norm(),
                                   (a.box_world.center() - b.box_world.center()).norm());
-  return a.class_name != b.class_name && smaller >= kLikeExtent * larger &&
-         apart_m <= 0.5 * (smaller + larger) / 2 + 0.1;
+  return a.class_name != b.class_name && apart_m <= 0.25 * (a.extent_m() + b.extent_m()) + 0.1;
 }
 
 // Within which another candidate of its class may be the same thing.
@@ -57,9 +53,9 @@ struct Others {
 
 class EvidenceMaker {
  public:
-  EvidenceMaker(std::span<const Candidate> candidates,
+  EvidenceMaker(std::span<const Candidate> candidates, std::span<const Visibility> visibility,
                 std::span<const WorldObservation> observations, const GroundPlane& level)
-      : candidates_(candidates), level_(level) {
+      : candidates_(candidates), visibility_(visibility), level_(level) {
     for (const Candidate& candidate : candidates) {
       sums_.push_back(sum_of_scores(candidate, observations));
       keyframes_of_.push_back(keyframes_of(candidate, observations));
@@ -70,6 +66,7 @@ class EvidenceMaker {
     const Candidate& candidate = candidates_[index];
     const Others others = others_of(index);
     const OfTwin twin = of_twin(index, others.twin);
+    const Visibility& visibility = visibility_[index];
     const double larger = std::log(candidate.extent_m() / usual_extent_m(candidate.class_name));
     const Kind* kind = find_kind(candidate.class_name);
     const double foot_m =
@@ -77,6 +74,7 @@ class EvidenceMaker {
     const bool is_misplaced =
         kind != nullptr && !kind->stands_on_floor && level_.is_floor_known && foot_m < kOnFloor_m;
     return {std::log1p(sums_[index]),
+            static_cast<double>(visibility.observed) / (visibility.observed + visibility.missed),
             log_ratio(sums_[index], others.strongest_rival),
             twin.lead,
             twin.nearness,
@@ -118,6 +116,7 @@ class EvidenceMaker {
   }
 
   std::span<const Candidate> candidates_;
+  std::span<const Visibility> visibility_;
   const GroundPlane& level_;
   std::vector<double> sums_;
   std::vector<std::set<std::size_t>> keyframes_of_;
@@ -142,9 +141,10 @@ Visibility visibility_of(const Candidate& candidate, std::span<const WorldObserv
 }
 
 std::vector<Evidence> evidence_of(std::span<const Candidate> candidates,
+                                  std::span<const Visibility> visibility,
                                   std::span<const WorldObservation> observations,
                                   const GroundPlane& level) {
-  const EvidenceMaker maker(candidates, observations, level);
+  const EvidenceMaker maker(candidates, visibility, observations, level);
   std::vector<Evidence> evidence;
   for (std::size_t i = 0; i < candidates.size(); ++i) evidence.push_back(maker.of(i));
   return evidence;

@@ -11,8 +11,9 @@ namespace roomwise::objects {
 
 // What speaks for and against a candidate: what the model of instances (instance_model.h) is told.
 // Shares lie in [0, 1]; logarithms are natural.
-constexpr std::array<std::string_view, 7> kEvidenceNames = {
+constexpr std::array<std::string_view, 8> kEvidenceNames = {
     "sum of scores",  // log(1 + that of all observations)
+    "seen share",     // of the key-frames that show its place, those that show it there
     "rival",          // log of its scores' sum over that of the strongest of another class
     "twin",           // of a candidate of its class near by with a larger sum of scores: log of the
                       // ratio of the sums; 0 where there is none, the same below
@@ -23,11 +24,6 @@ constexpr std::array<std::string_view, 7> kEvidenceNames = {
 };
 using Evidence = std::array<double, kEvidenceNames.size()>;
 
-// Of each candidate, among the others.
-[[nodiscard]] std::vector<Evidence> evidence_of(std::span<const Candidate> candidates,
-                                                std::span<const WorldObservation> observations,
-                                                const GroundPlane& level);
-
 // The key-frames that show a candidate, and those that should and have nothing there.
 struct Visibility {
   int observed = 0, missed = 0;
@@ -36,5 +32,11 @@ struct Visibility {
                                        std::span<const WorldObservation> observations,
                                        std::span<const ObservedKeyframe> keyframes,
                                        double max_range_m);
+
+// Of each candidate, among the others; `visibility` is theirs.
+[[nodiscard]] std::vector<Evidence> evidence_of(std::span<const Candidate> candidates,
+                                                std::span<const Visibility> visibility,
+                                                std::span<const WorldObservation> observations,
+                                                const GroundPlane& level);
 
 }  // namespace roomwise::objects

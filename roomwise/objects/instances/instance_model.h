@@ -38,6 +38,7 @@ struct InstanceModel {
 struct WeighedCandidates {
   std::vector<WorldObservation> observations;
   std::vector<Candidate> candidates;
+  std::vector<Visibility> visibility;
   std::vector<Evidence> evidence;
 };
 [[nodiscard]] WeighedCandidates weigh_candidates(std::span<const ObservedKeyframe> keyframes,

@@ -15,6 +15,7 @@ namespace {
 // A candidate with how probable it is.
 struct Hypothesis {
   const Candidate* candidate = nullptr;
+  Visibility visibility;
   double probability = 0;
 };
 
@@ -51,8 +52,7 @@ std::vector<Thing> each_once(std::vector<Hypothesis> hypotheses) {
 }
 
 Instance instance_of(const Thing& thing, std::span<const WorldObservation> observations,
-                     std::span<const ObservedKeyframe> keyframes, const InstanceModel& model,
-                     double max_range_m) {
+                     std::span<const ObservedKeyframe> keyframes, const InstanceModel& model) {
   const Candidate& candidate = *thing.hypothesis.candidate;
   Instance instance;
   instance.name = candidate.class_name;
@@ -60,7 +60,7 @@ Instance instance_of(const Thing& thing, std::span<const WorldObservation> obser
   double sum = 0;
   for (const auto& [name, probability] : thing.names) sum += probability;
   for (const auto& [name, probability] : thing.names) instance.names[name] = probability / sum;
-  const Visibility visibility = visibility_of(candidate, observations, keyframes, max_range_m);
+  const Visibility& visibility = thing.hypothesis.visibility;
   instance.observations = visibility.observed;
   instance.expected = visibility.observed + visibility.missed;
   const WorldObservation& best = observations[candidate.group.front()];
@@ -102,7 +102,12 @@ WeighedCandidates weigh_candidates(std::span<const ObservedKeyframe> keyframes,
   WeighedCandidates weighed;
   weighed.observations = world_observations(keyframes, level, options);
   weighed.candidates = find_candidates(weighed.observations, keyframes, level);
-  weighed.evidence = evidence_of(weighed.candidates, weighed.observations, level);
+  for (const Candidate& candidate : weighed.candidates) {
+    weighed.visibility.push_back(
+        visibility_of(candidate, weighed.observations, keyframes, options.max_range_m));
+  }
+  weighed.evidence =
+      evidence_of(weighed.candidates, weighed.visibility, weighed.observations, level);
   return weighed;
 }
 
@@ -114,8 +119,8 @@ std::vector<Instance> believed_instances(const WeighedCandidates& weighed,
   std::vector<Hypothesis> hypotheses;
   for (std::size_t i = 0; i < weighed.candidates.size(); ++i) {
     const Candidate& candidate = weighed.candidates[i];
-    hypotheses.push_back(
-        {&candidate, model.probability(weighed.evidence[i], candidate.class_name)});
+    hypotheses.push_back({&candidate, weighed.visibility[i],
+                          model.probability(weighed.evidence[i], candidate.class_name)});
   }
   std::vector<Instance> instances;
   for (const Thing& thing : each_once(std::move(hypotheses))) {
@@ -123,8 +128,7 @@ std::vector<Instance> believed_instances(const WeighedCandidates& weighed,
         !is_spoken_of(thing.hypothesis.candidate->class_name)) {
       continue;
     }
-    Instance instance =
-        instance_of(thing, weighed.observations, keyframes, model, options.max_range_m);
+    Instance instance = instance_of(thing, weighed.observations, keyframes, model);
     if (instance.observations >= options.min_observations) {
       instances.push_back(std::move(instance));
     }

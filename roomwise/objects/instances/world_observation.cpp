@@ -23,9 +23,8 @@ double median_depth(std::vector<Eigen::Vector3f> points) {
 }
 
 // Behind the median of the surface in the inner half of the box, by side (of the whole surface
-// where little is there), by a share of the usual depth of such things; in the camera frame.
+// where nothing is there), by a share of the usual depth of such things; in the camera frame.
 Eigen::Vector3d middle_of(const Detection& detection, const geometry::PinholeCamera& camera) {
-  constexpr std::size_t kFewestInside = 5;
   const network::PixelBox& box = detection.box;
   const Eigen::Vector2d middle(0.5F * (box.left + box.right), 0.5F * (box.top + box.bottom));
   const Eigen::Vector2d reach(0.25F * (box.right - box.left), 0.25F * (box.bottom - box.top));
@@ -34,8 +33,7 @@ Eigen::Vector3d middle_of(const Detection& detection, const geometry::PinholeCam
     const Eigen::Vector2d off = camera.project(point.cast<double>()) - middle;
     if ((off.cwiseAbs().array() <= reach.array()).all()) inside.push_back(point);
   }
-  std::vector<Eigen::Vector3f>& of =
-      inside.size() >= kFewestInside ? inside : (inside = detection.surface.points);
+  std::vector<Eigen::Vector3f>& of = inside.empty() ? (inside = detection.surface.points) : inside;
   Eigen::Vector3d median;
   for (int axis = 0; axis < 3; ++axis) {
     const auto along = [axis](const Eigen::Vector3f& point) { return point[axis]; };
@@ -92,13 +90,12 @@ std::optional<double> ObservedKeyframe::depth_at_m(const Eigen::Vector3d& point_
 std::vector<WorldObservation> world_observations(std::span<const ObservedKeyframe> keyframes,
                                                  const GroundPlane& level,
                                                  const InstanceOptions& options) {
-  constexpr std::size_t kFewestPoints = 8;
   std::vector<WorldObservation> observations;
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
     const ObservedKeyframe& keyframe = keyframes[k];
     for (const Detection& detection : keyframe.detections) {
       const std::vector<Eigen::Vector3f>& points = detection.surface.points;
-      if (detection.score < options.min_score || points.size() < kFewestPoints) continue;
+      if (detection.score < options.min_score || points.empty()) continue;
       if (median_depth(points) > options.max_range_m) continue;
       WorldObservation observation{
           &detection, k, {}, keyframe.world_from_camera * middle_of(detection, keyframe.camera)};
