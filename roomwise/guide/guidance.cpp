@@ -1228,6 +1228,7 @@ Prompt Guidance::no_place(TimestampNs now_ns) {
 // Who says so stands before what a cane found. It is as broad as a body, or, where no way were left
 // then, as a hand: no more of it is known.
 Prompt Guidance::blocked(const Pose& pose, TimestampNs now_ns) {
+  if (map_.floor == nullptr) return act(pose, now_ns);  // by rooms: there is no way to go around on
   // What is in the way at the end of the way is the goal, or what it stands on; before its room it
   // is the door.
   const bool is_near = plan_.reach == Reach::kWhole && is_last_leg() && is_in_goal_room(pose) &&

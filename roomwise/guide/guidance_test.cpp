@@ -1058,6 +1058,19 @@ TEST_F(GuidanceTest, WhoIsBarredUnseenWaitsAndIsLedAroundItWhenTheyAreSeenAgain)
   EXPECT_THAT(said[0], AnyOf(StartsWith("Turn to"), StartsWith("A little")));
 }
 
+TEST_F(GuidanceTest, WhoIsBarredUnseenWhereNoFloorIsKnownIsLedByRooms) {
+  guidance_.emplace(HomeMap{nullptr, &layout_, layout_.doorways()}, room("kitchen"), wording_);
+  place_ = {1, 3.45};
+  (void)hear(6);
+  ASSERT_EQ(guidance_->state(), State::kByRooms);
+  is_seen_ = false;
+  (void)hear(2);
+  EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I lost where you are. Stop and wait.");
+  (void)hear(3);
+  is_seen_ = true;
+  EXPECT_THAT(hear(6), ElementsAre("I know no safe way there.", "The kitchen is the next room."));
+}
+
 TEST_F(GuidanceTest, WhoAsksUnseenForLongIsToldToTurn) {
   lead_to(room("kitchen"), {1, 3.45}, kPi);
   (void)hear(9);
