@@ -27,6 +27,15 @@ double clearance_m(const fusion::FloorGrid& floor, const Vector2d& place) {
                    : std::numeric_limits<double>::infinity();
 }
 
+bool is_clear(const fusion::FloorGrid& floor, const Vector2d& from, const Vector2d& to,
+              double min_m) {
+  const auto steps = static_cast<int>(std::ceil((to - from).norm() / (floor.cell_m() / 2)));
+  for (int i = 0; i <= steps; ++i) {
+    if (!floor.fits(from + (to - from) * i / std::max(1, steps), min_m)) return false;
+  }
+  return true;
+}
+
 void FloorSearch::lead_over(std::span<const fusion::Staircase> stairs) {
   constexpr double kNear_m = 0.6;  // a stride from where the map says that one stands
   for (const fusion::Staircase& one : stairs) {
@@ -119,20 +128,12 @@ Route FloorSearch::straightened(const std::vector<Vector2i>& way, double enough_
     double min_m = std::min(enough_m, clearance_m(way[here]));
     for (std::size_t next = here + 1; next < way.size(); ++next) {
       min_m = std::min(min_m, clearance_m(way[next]));
-      if (is_clear(middle(way[here]), middle(way[next]), min_m)) farthest = next;
+      if (is_clear(grid_, middle(way[here]), middle(way[next]), min_m)) farthest = next;
     }
     route.push_back(middle(way[farthest]));
     here = farthest;
   }
   return route;
-}
-
-bool FloorSearch::is_clear(const Vector2d& from, const Vector2d& to, double min_m) const {
-  const auto steps = static_cast<int>(std::ceil((to - from).norm() / (grid_.cell_m() / 2)));
-  for (int i = 0; i <= steps; ++i) {
-    if (!grid_.fits(from + (to - from) * i / std::max(1, steps), min_m)) return false;
-  }
-  return true;
 }
 
 }  // namespace roomwise::guide

@@ -14,6 +14,9 @@ namespace roomwise::guide {
 
 // From a place to what is occupied; infinity off the grid.
 [[nodiscard]] double clearance_m(const fusion::FloorGrid& floor, const Eigen::Vector2d& place);
+// Whether the whole straight line keeps that clearance.
+[[nodiscard]] bool is_clear(const fusion::FloorGrid& floor, const Eigen::Vector2d& from,
+                            const Eigen::Vector2d& to, double min_m);
 
 // Ways of a person over a floor grid: between cells where somebody of that radius fits; a metre
 // with less than comfort_m around it counts as up to twice as long.
@@ -44,9 +47,6 @@ class FloorSearch {
   // Leaves out corners where the straight line is as far from everything as the way was, or
   // `enough_m` far.
   [[nodiscard]] Route straightened(const std::vector<Eigen::Vector2i>& way, double enough_m) const;
-  // Whether the whole straight line keeps that clearance.
-  [[nodiscard]] bool is_clear(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
-                              double min_m) const;
 
  private:
   [[nodiscard]] int index_of(const Eigen::Vector2i& cell) const {

@@ -1,41 +1,18 @@
 #pragma once
 
-#include <deque>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "roomwise/guide/guidance_words.h"
-#include "roomwise/guide/legs.h"
-#include "roomwise/guide/obstacle.h"
-#include "roomwise/guide/plan.h"
+#include "roomwise/guide/barred_floor.h"
+#include "roomwise/guide/followed_way.h"
+#include "roomwise/guide/guidance_options.h"
+#include "roomwise/guide/in_the_way.h"
 #include "roomwise/guide/prompt.h"
 #include "roomwise/guide/walker_track.h"
 #include "roomwise/guide/wording.h"
 
 namespace roomwise::guide {
-
-struct GuidanceOptions {
-  PlanOptions plan = {};
-  // The next action is announced while it is so far ahead, m.
-  double announce_from_m = 3, announce_to_m = 1.5;
-  // Who walks hears something after so much, whichever comes first.
-  double reassure_m = 5, reassure_s = 8;
-  // Off the way: so far beside it or turned so far from it, for so long.
-  double off_way_m = 1, off_way_degrees = 30, off_way_s = 2;
-  // Without a pose, of who walks or was told to, who is told to stand and wait as long again, and
-  // of who stands: the slow turn that is asked for then costs more than waiting for the next
-  // picture that tells of one.
-  double lost_s = 4, lost_standing_s = 8;
-  // From a person's edge to a thing that is reached, and a person's radius seen from above, m.
-  double arrived_m = 0.3, body_radius_m = 0.25;
-  // Who stands where there is something to do hears of it again after so long, once.
-  double remind_s = 8;
-
-  [[nodiscard]] Expected<void> validate() const;
-};
 
 // What is known of who is led, now.
 struct Walker {
@@ -47,12 +24,6 @@ struct Walker {
   std::optional<double> obstacle_m = {};
   // What they could walk into, as the picture of the pose shows it: where on the floor.
   std::vector<Eigen::Vector2d> obstacles = {};
-};
-
-// Where the goal is, for who is about to touch it.
-struct Aim {
-  double bearing_rad = 0;  // from where they look, positive to the left
-  double distance_m = 0;   // from their middle, along the floor
 };
 
 // How it goes, for who looks on.
@@ -99,7 +70,8 @@ class Guidance {
 
   // What map and wording point to must outlive it.
   Guidance(const HomeMap& map, Goal goal, const Wording& wording,
-           const GuidanceOptions& options = {});
+           const GuidanceOptions& options = {})
+      : wording_(wording), floor_(map.floor), way_(map, std::move(goal), options) {}
 
   // What to say now, if anything. While an earlier prompt of its own is still being spoken only
   // what warns of a hazard.
@@ -118,9 +90,9 @@ class Guidance {
   // stands, was just told to turn on the spot, or is on stairs. Else whoever sees it must tell:
   // paused, lost for long or without a place people walk as they like.
   [[nodiscard]] bool judges_obstacles(TimestampNs now_ns) const;
-  [[nodiscard]] const Goal& goal() const { return goal_; }
+  [[nodiscard]] const Goal& goal() const { return way_.goal(); }
   // The way that is followed now.
-  [[nodiscard]] const Plan& plan() const { return plan_; }
+  [[nodiscard]] const Plan& plan() const { return way_.plan(); }
   // Of a thing that is near and straight ahead or to be turned to, by the newest picture; absent
   // where its place or theirs is not sure, or something else is to be done first.
   [[nodiscard]] std::optional<Aim> aim() const;
@@ -128,150 +100,110 @@ class Guidance {
   [[nodiscard]] std::optional<Eigen::Vector2d> next_place() const;
 
  private:
-  static constexpr double kSpoken_s = 2;  // a prompt of some words
   using MaybePrompt = std::optional<Prompt>;
-  [[nodiscard]] Prompt say(const Phrase& phrase, TimestampNs now_ns,
-                           Confidence confidence = Confidence::kSure, double valid_s = 2);
-  [[nodiscard]] MaybePrompt begin(const Walker& walker);
-  [[nodiscard]] MaybePrompt where_one_stands(const Pose& pose, TimestampNs now_ns);
-  [[nodiscard]] MaybePrompt turning(const Pose& pose, TimestampNs now_ns);
-  [[nodiscard]] MaybePrompt walking(const Pose& pose, TimestampNs now_ns);
-  [[nodiscard]] MaybePrompt at_leg_end(const Pose& pose, TimestampNs now_ns);
-  [[nodiscard]] MaybePrompt corner(const Pose& pose, TimestampNs now_ns);
-  [[nodiscard]] MaybePrompt keep_on_way(const Pose& pose, TimestampNs now_ns);
-  [[nodiscard]] MaybePrompt announce(const Pose& pose, TimestampNs now_ns);
-  [[nodiscard]] MaybePrompt stopped(const Pose& pose, TimestampNs now_ns);
-  [[nodiscard]] MaybePrompt on_stairs(const Pose& pose, TimestampNs now_ns);
-  [[nodiscard]] Prompt say_stairs(TimestampNs now_ns);
-  [[nodiscard]] std::span<const fusion::Staircase> known_stairs() const;
-  [[nodiscard]] bool is_next_leg_stairs() const {
-    return leg_ + 1 < legs_.size() && legs_[leg_ + 1].stairs.has_value();
-  }
-  [[nodiscard]] MaybePrompt without_pose(const Walker& walker);
-  [[nodiscard]] Prompt say_lost(const char* message, TimestampNs now_ns);
-  [[nodiscard]] Prompt no_place(TimestampNs now_ns);
-  [[nodiscard]] Prompt say_end_again(const Pose* pose, TimestampNs now_ns);
-  [[nodiscard]] Prompt blocked(const Pose& pose, TimestampNs now_ns);
-  void become_lost();
-  [[nodiscard]] double unseen_step_m() const;
-  [[nodiscard]] bool may_step_unseen(TimestampNs now_ns) const;
-  [[nodiscard]] bool may_end_unseen() const;
-  [[nodiscard]] Prompt step_unseen(TimestampNs now_ns);
-  [[nodiscard]] MaybePrompt end_unseen(TimestampNs now_ns);
-  // What it lies on, how high to reach, and what a helper noted.
-  [[nodiscard]] std::vector<Phrase> at_goal_phrases() const;
-  // Was just told to: what is ahead of who turns on the spot is in nobody's way for a while.
-  [[nodiscard]] Prompt say_to_turn(const Phrase& phrase, TimestampNs now_ns,
-                                   Confidence confidence = Confidence::kSure, double valid_s = 2);
-  [[nodiscard]] MaybePrompt by_rooms(const Walker& walker);
-  [[nodiscard]] MaybePrompt off_the_way(const Pose& pose, TimestampNs now_ns);
-  [[nodiscard]] MaybePrompt hazard(const Pose& pose, TimestampNs now_ns);
-  [[nodiscard]] MaybePrompt finish(TimestampNs now_ns);
-  [[nodiscard]] const KnownThing* thing_between(const Eigen::Vector2d& from) const;
-  [[nodiscard]] double left_when_heard_m(double distance_m, double spoken_s = kSpoken_s) const;
-  [[nodiscard]] double walked_since_pose_m() const;
-  void keep_pace();
-  [[nodiscard]] Prompt arrive_or_stop(const Pose& pose, TimestampNs now_ns);
-  [[nodiscard]] Prompt arrive(const Pose& pose, TimestampNs now_ns);
-  [[nodiscard]] Prompt stop(const Phrase& phrase, TimestampNs now_ns);
-  // Plans anew and says what to do now.
-  [[nodiscard]] Prompt act(const Pose& pose, TimestampNs now_ns);
-  [[nodiscard]] double freer_side(const Pose& pose) const;
-  [[nodiscard]] Prompt end_of_way(const Pose& pose, TimestampNs now_ns);
+  [[nodiscard]] TimestampNs now_ns() const { return walker_.now_ns; }
+  void see(const Walker& walker);
+
+  // ---- saying ----
+  [[nodiscard]] Prompt say(const Phrase& phrase, Confidence confidence = Confidence::kSure,
+                           double valid_s = kDirectionValid_s);
+  [[nodiscard]] Prompt say_to_turn(const Phrase& phrase, Confidence confidence = Confidence::kSure,
+                                   double valid_s = kDirectionValid_s);
+  [[nodiscard]] Prompt say_lost(const char* message);
+  [[nodiscard]] Prompt say_stairs();
+  [[nodiscard]] Prompt say_end_again(const Pose* pose);
+  [[nodiscard]] bool is_speaking() const { return now_ns() < said_.until_ns; }
+  [[nodiscard]] double silent_for_s() const { return seconds_between(said_.until_ns, now_ns()); }
+  // To the leg's end when so many seconds of words have been heard, in words.
+  [[nodiscard]] std::string left_on_leg(const Pose& pose, double spoken_s = kSpoken_s) const;
+  [[nodiscard]] std::optional<Phrase> what_comes_next(const Pose& pose,
+                                                      double spoken_s = kSpoken_s) const;
+
+  // ---- each state, with a place ----
+  [[nodiscard]] MaybePrompt begin(const Pose& pose);
+  [[nodiscard]] MaybePrompt turning(const Pose& pose);
+  [[nodiscard]] MaybePrompt walking(const Pose& pose);
+  [[nodiscard]] MaybePrompt at_leg_end(const Pose& pose);
+  [[nodiscard]] MaybePrompt keep_on_way(const Pose& pose);
+  [[nodiscard]] MaybePrompt announce(const Pose& pose);
+  [[nodiscard]] MaybePrompt corner(const Pose& pose);
+  [[nodiscard]] MaybePrompt stopped(const Pose& pose);
+  [[nodiscard]] MaybePrompt on_stairs(const Pose& pose);
+  [[nodiscard]] MaybePrompt hazard(const Pose& pose);
+  [[nodiscard]] MaybePrompt off_the_way(const Pose& pose);
+
+  // ---- what somebody does then ----
   void plan_from(const Pose& pose);
-  void reach_out();
-  [[nodiscard]] double narrow_m_at(const Eigen::Vector2d& here) const;
-  void step_clear(const Pose& pose);
-  [[nodiscard]] bool may_skip_leg(const Pose& pose) const;
-  [[nodiscard]] bool comes_to_rest(const Pose& pose) const;
-  [[nodiscard]] const fusion::FloorGrid& floor() const {
-    return barred_floor_ ? *barred_floor_ : *map_.floor;
+  // Plans anew and says what to do now.
+  [[nodiscard]] Prompt act(const Pose& pose);
+  [[nodiscard]] Prompt turn(const Pose& pose, double turn_rad);
+  [[nodiscard]] Prompt stop(const Phrase& phrase);
+  [[nodiscard]] Prompt blocked(const Pose& pose);
+  [[nodiscard]] bool walks_past_end(const Pose& pose) const;
+  [[nodiscard]] bool has_arrived(const Pose& pose) {
+    return way_.has_arrived(pose, track_.is_standing());
   }
-  [[nodiscard]] bool has_arrived(const Pose& pose);
-  // What depth shows in the way, as seen along this leg, and whether the map knows it.
-  struct InTheWay {
-    ObstacleAhead seen;
-    Pose from;  // where they stand, along the leg
-    bool is_on_map = false;
+  [[nodiscard]] Prompt arrive_or_stop(const Pose& pose);
+  [[nodiscard]] Prompt arrive(const Pose& pose);
+  [[nodiscard]] Prompt end_of_way();
+  [[nodiscard]] MaybePrompt finish();
+  // What is still to be told of it.
+  [[nodiscard]] MaybePrompt say_of_goal(Confidence confidence);
+  [[nodiscard]] Prompt answer(GuidanceRequest request);
 
-    [[nodiscard]] double ahead_m() const { return seen.ahead_left_m.x(); }
-    [[nodiscard]] ObstacleAhead::Side side_by(const Pose& pose) const;
+  // ---- without a place ----
+  [[nodiscard]] MaybePrompt unseen();
+  [[nodiscard]] Prompt step_unseen(double step_m);
+  [[nodiscard]] MaybePrompt end_unseen();
+  [[nodiscard]] MaybePrompt lost();
+  void become_lost();
+  [[nodiscard]] Prompt no_place();
+  [[nodiscard]] MaybePrompt by_rooms();
+  // After a pause, or once they are seen again.
+  [[nodiscard]] State resumed() const;
+
+  static constexpr double kSpoken_s = 2;  // a prompt of some words
+
+  struct Said {
+    TimestampNs until_ns = 0;        // the newest prompt has been spoken by then
+    TimestampNs turns_until_ns = 0;  // on the spot, as they were told to
+    double at_walked_m = 0;
+    int of_beginning = 0, of_end = 0;  // how much
+    bool what_comes_next = false;      // after this leg
+    bool reminder = false;             // of what to do now
   };
-  [[nodiscard]] std::optional<InTheWay> in_the_way(const Pose& pose) const;
-  [[nodiscard]] bool is_goal(const Eigen::Vector2d& obstacle) const;
-  [[nodiscard]] bool is_in_reach(const Pose& pose) const;
-  void bar_what_is_ahead(const Pose& pose, double radius_m);
-  void bar_what_is_seen();
-  void mark_occupied(std::span<const Eigen::Vector2d> middles, double radius_m);
-  // That somebody came no further, about where they stand now.
-  [[nodiscard]] bool was_barred_here(const Pose& pose) const;
-  void count_barred(const Pose& pose);
+  struct Line {  // of the leg, to which they keep or do not
+    std::optional<TimestampNs> off_since_ns;
+    std::optional<TimestampNs> corrected_ns;
+    bool is_off = false;  // was told so, and of no other way yet
+  };
+  struct Barred {
+    bool by_hazard = false;                     // just now, on a way that led to the goal
+    std::optional<double> side_to_try;          // where there is more room
+    std::optional<TimestampNs> waits_since_ns;  // for what is in the way and may go
+  };
+  struct Unseen {
+    TimestampNs led_since_ns = 0;     // 0: they are not yet
+    TimestampNs steps_until_ns = 0;   // that were asked for without a place; 0: none were
+    bool should_be_there = false;     // was told so
+    bool waits_for_place = false;     // lost, and told to stand; not yet to turn
+    bool is_blocked = false;          // said so meanwhile: it is told once their place is known
+    std::optional<std::string> room;  // of which was told
+  };
 
-  [[nodiscard]] bool is_at_goal(const Pose& pose) const;
-  [[nodiscard]] bool is_in_goal_room(const Pose& pose) const;
-  [[nodiscard]] double left_on_leg_m(const Pose& pose) const;
-  [[nodiscard]] double left_m(const Pose& pose) const;
-  [[nodiscard]] double bearing_error_rad(const Pose& pose) const;
-  [[nodiscard]] bool goes_straight_on() const;  // after this leg
-  [[nodiscard]] bool is_solid() const {         // the goal: it is come up to, and not stood on
-    return goal_.kind == Goal::Kind::kThing || goal_.kind == Goal::Kind::kWayOut;
-  }
-  [[nodiscard]] bool is_last_leg() const { return leg_ + 1 >= legs_.size(); }
-  [[nodiscard]] std::optional<std::string> room_beyond(const Leg& leg) const;
-  // What a hand finds at the end of the leg, or the room that begins there.
-  [[nodiscard]] std::optional<Noun> place_at_end(const Leg& leg, bool is_last) const;
-  [[nodiscard]] std::optional<Phrase> next_phrase(const Pose& pose,
-                                                  double spoken_s = kSpoken_s) const;
-  [[nodiscard]] std::string distance(double distance_m) const;
-  [[nodiscard]] bool is_speaking(TimestampNs now_ns) const { return now_ns < silent_from_ns_; }
-  [[nodiscard]] double silent_for_s(TimestampNs now_ns) const {
-    return seconds_between(silent_from_ns_, now_ns);
-  }
-
-  const HomeMap map_;
-  const Goal goal_;
   const Wording wording_;
-  const GuidanceOptions options_;
-  const std::vector<rooms::Doorway> doorways_;
-
+  BarredFloor floor_;
+  FollowedWay way_;
   State state_ = State::kBeginning;
+  Walker walker_;  // newest; its pose and what was seen from there only where it is believed
   WalkerTrack track_;
-  std::optional<std::string> room_;
-  bool is_placed_ = false;                         // by the newest picture, and that is believed
-  std::vector<Eigen::Vector2d> obstacles_;         // that it shows
-  std::optional<double> obstacle_m_;               // straight ahead, wherever that is
-  std::optional<fusion::FloorGrid> barred_floor_;  // where the person found the way barred
-  std::optional<Eigen::Vector2d> barred_at_;       // and where no other one is known
-  std::optional<double> side_to_try_;              // where it has more room, after it was barred
-  std::optional<Eigen::Vector2d> known_stop_at_;   // before what the map knows, told once
-  int barred_times_ = 0;                           // there
-  bool is_barred_by_hazard_ = false;               // just now, on a way that led to the goal
-  std::optional<TimestampNs> waits_since_ns_;      // for what is in the way and may go
-  Plan plan_;
-  std::vector<Leg> legs_;
-  std::size_t leg_ = 0;
-  int said_of_beginning_ = 0;       // how much of the beginning was said
-  int said_of_end_ = 0;             // how much of the end was said
-  bool waits_for_place_ = false;    // lost, and told to stand; not yet to turn
-  bool is_blocked_unseen_ = false;  // said so meanwhile: it is told once their place is known
-  bool should_be_there_ = false;    // was told so without a place
-  TimestampNs steps_until_ns_ = 0;  // the steps that were asked for without a place; 0: none were
-  TimestampNs turns_until_ns_ = 0;  // on the spot, as they were told to
-  bool announced_ = false;          // what comes after this leg
-  bool reminded_ = false;           // of what to do now
-  double turn_from_rad_ = 0;        // the heading when a turn was asked for
-  double pace_m_s_ = 0.5;           // at which they walk when they walk
-  double pose_age_s_ = 0;           // of the newest place that is believed
-  double said_at_walked_m_ = 0;
+  HazardWatch hazards_;
+  Said said_;
+  Line line_;
+  Barred barred_;
+  Unseen unseen_;
   std::optional<StairsOnWay> stairs_;  // that are walked over now
-  std::optional<TimestampNs> off_since_ns_;
-  bool is_off_way_ = false;                    // was told so, and of no other way yet
-  std::optional<Eigen::Vector2d> at_goal_by_;  // the first place that was at the goal
-  std::optional<TimestampNs> corrected_ns_;
-  std::optional<TimestampNs> hazard_ns_;
-  TimestampNs silent_from_ns_ = 0;  // the newest prompt has been spoken by then
-  TimestampNs began_ns_ = 0;
-  std::optional<std::string> told_room_;
+  double turn_from_rad_ = 0;           // the heading when a turn was asked for
 };
 
 }  // namespace roomwise::guide

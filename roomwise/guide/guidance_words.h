@@ -8,12 +8,6 @@
 
 namespace roomwise::guide {
 
-// A message and what it is filled with.
-struct Phrase {
-  std::string message;
-  Values values = {};
-};
-
 // What there is to do by turning so far, positive to the left; nothing where that is straight on.
 [[nodiscard]] Phrase turn_phrase(double turn_rad);
 // The same, announced: after so far, at a place where one is known.

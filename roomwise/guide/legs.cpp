@@ -63,8 +63,11 @@ std::vector<Leg> parts_of(const Route& route, std::span<const rooms::Doorway> do
 }  // namespace
 
 double Leg::heading_rad() const {
-  if (stairs) return stairs->heading_rad();
-  return std::atan2(to.y() - from.y(), to.x() - from.x());
+  return stairs ? stairs->heading_rad() : heading_to(from, to);
+}
+
+Vector2d Leg::along() const {
+  return {std::cos(heading_rad()), std::sin(heading_rad())};
 }
 
 std::vector<Leg> legs_of(const Route& route, std::span<const rooms::Doorway> doors,
@@ -89,6 +92,15 @@ std::vector<rooms::Doorway> doors_of(std::span<const rooms::Doorway> doorways) {
   std::vector<rooms::Doorway> doors;
   std::ranges::copy_if(doorways, std::back_inserter(doors), &rooms::Doorway::is_door);
   return doors;
+}
+
+// At its end it would be missed by a step's half; but not finer than people turn.
+double straight_enough_rad(double length_m) {
+  return std::clamp(std::atan2(0.4, length_m), 15 * kDegree_rad, 25 * kDegree_rad);
+}
+
+double heading_to(const Vector2d& from, const Vector2d& to) {
+  return std::atan2(to.y() - from.y(), to.x() - from.x());
 }
 
 double turn_rad(double from_rad, double to_rad) {

@@ -29,6 +29,11 @@ using Nouns = std::vector<Noun>;
 
 // What the placeholders of a message stand for: a text as it is, or names in the language's words.
 using Values = std::map<std::string, std::variant<std::string, Nouns>>;
+// A message and what it is filled with.
+struct Phrase {
+  std::string message;
+  Values values = {};
+};
 
 // What Roomwise says in one language, from a file roomwise/guide/messages/LANGUAGE.json, which the
 // web pages read too:

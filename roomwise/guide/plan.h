@@ -54,6 +54,9 @@ struct Goal {
   bool is_sure = true;              // that it is there
   std::string note;                 // a helper's, to be said who is there; may be empty
 
+  // It is come up to, and not stood on.
+  [[nodiscard]] bool is_solid() const { return kind == Kind::kThing || kind == Kind::kWayOut; }
+
   // `things`: of the home, of which it may lie on one.
   [[nodiscard]] static Goal of(const KnownThing& thing, const std::optional<CalendarTime>& today,
                                std::span<const KnownThing> things = {});

@@ -62,6 +62,37 @@ const KnownThing* thing_at(const Eigen::Vector2d& place_gravity, const HomeMap& 
   return nearest;
 }
 
+const KnownThing* nearest_sure_thing(const Eigen::Vector2d& place_gravity, double within_m,
+                                     const HomeMap& map) {
+  const KnownThing* nearest = nullptr;
+  for (const KnownThing& thing : map.things) {
+    if (!thing.position_gravity || !thing.is_sure(map.today)) continue;
+    const double distance_m = outline_of(thing).distance_m(place_gravity);
+    if (distance_m >= within_m) continue;
+    within_m = distance_m;
+    nearest = &thing;
+  }
+  return nearest;
+}
+
+const KnownThing* thing_between(const Eigen::Vector2d& from, const Goal& goal, const HomeMap& map) {
+  constexpr double kStep_m = 0.05;
+  const Eigen::Vector2d towards = goal.outline->nearest_to(from) - from;
+  for (double ahead_m = 0; ahead_m < towards.norm(); ahead_m += kStep_m) {
+    const Eigen::Vector2d place = from + ahead_m * towards.normalized();
+    for (const KnownThing& thing : map.things) {
+      const bool is_known = thing.position_gravity && thing.is_sure(map.today);
+      if (!is_known || thing.name == goal.noun.name) continue;
+      const Outline outline = outline_of(thing);
+      // The goal itself by another name: the front door as the way out.
+      const bool is_goal = outline.middle_gravity == goal.outline->middle_gravity &&
+                           outline.size_m == goal.outline->size_m;
+      if (!is_goal && outline.distance_m(place) < kBoxError_m) return &thing;
+    }
+  }
+  return nullptr;
+}
+
 const KnownThing* sure_thing_of(const ObstacleAhead& obstacle, const Pose& from,
                                 const HomeMap& map) {
   if (map.floor == nullptr || from.sigma_m > kBoxError_m || obstacle.all.empty()) return nullptr;

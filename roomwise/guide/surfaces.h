@@ -24,6 +24,15 @@ namespace roomwise::guide {
 // and does not lie on something else the nearest, else the largest. nullptr: nothing is known.
 [[nodiscard]] const KnownThing* thing_at(const Eigen::Vector2d& place_gravity, const HomeMap& map);
 
+// Of the sure things the nearest to a place that is nearer than that; nullptr: there is none.
+[[nodiscard]] const KnownThing* nearest_sure_thing(const Eigen::Vector2d& place_gravity,
+                                                   double within_m, const HomeMap& map);
+
+// What stands between a place and a goal that cannot be reached from there, whose outline is known:
+// the first sure thing on the straight line, as broad as a hand; nullptr: nothing that is known.
+[[nodiscard]] const KnownThing* thing_between(const Eigen::Vector2d& from, const Goal& goal,
+                                              const HomeMap& map);
+
 // What the obstacle surely is that was seen from there: of the sure things of the map the nearest,
 // where the place is sure, too, and nothing in the corridor may be anything else. nullptr: it may.
 [[nodiscard]] const KnownThing* sure_thing_of(const ObstacleAhead& obstacle, const Pose& from,

@@ -52,9 +52,23 @@ void WalkerTrack::add(const Pose& pose, TimestampNs at_ns) {
   while (seconds_between(stops_.front().at_ns, at_ns) > kKept_s) stops_.pop_front();
 }
 
-void WalkerTrack::forget() {
-  stops_.clear();
-  doubted_.reset();
+// Who has just begun to walk seems slow for a second, and is not: how fast they were before tells
+// more. It fades, so that one wrong place is forgotten.
+void WalkerTrack::keep_pace(TimestampNs now_ns) {
+  constexpr double kFades = 0.99;
+  constexpr double kMaxGap_s = 1.5;  // older poses tell nothing of where somebody is now
+  const double speed = speed_m_s().value_or(0);
+  if (speed > kWalks_m_s) pace_m_s_ = std::max(kFades * pace_m_s_, speed);
+  pose_age_s_ = std::min(age_s(now_ns), kMaxGap_s);
+}
+
+double WalkerTrack::walked_since_m() const {
+  return is_standing() ? 0 : pace_m_s_ * pose_age_s_;
+}
+
+double WalkerTrack::left_when_heard_m(double distance_m, double spoken_s) const {
+  const double speed = is_standing() ? 0 : pace_m_s_;
+  return distance_m - walked_since_m() - speed * (spoken_s + kReaction_s);
 }
 
 const Pose* WalkerTrack::pose(TimestampNs now_ns) const {

@@ -33,6 +33,17 @@ TEST(WalkerTrackTest, WhatOnePictureDoesNotTellIsNotSaid) {
   EXPECT_EQ(track_of(0, 0, 1).speed_m_s(), std::nullopt);
 }
 
+TEST(WalkerTrackTest, WhoWalksGoesOnWhileSomebodySpeaks) {
+  WalkerTrack track = track_of(0.6, 0, 5);  // to two seconds after kNow
+  const TimestampNs newest_ns = kNow + 4 * kHalf;
+  track.keep_pace(newest_ns + kHalf);
+  EXPECT_NEAR(track.walked_since_m(), 0.3, 0.03);
+  EXPECT_NEAR(track.left_when_heard_m(4, 1), 4 - 0.3 - 0.6 * (1 + kReaction_s), 0.15);
+  WalkerTrack stands = track_of(0, 0, 5);
+  stands.keep_pace(newest_ns + kHalf);
+  EXPECT_EQ(stands.left_when_heard_m(4, 1), 4);
+}
+
 TEST(WalkerTrackTest, APoseGetsOld) {
   const WalkerTrack track = track_of(0, 0, 1);
   EXPECT_NE(track.pose(kNow + kSecond), nullptr);

@@ -24,6 +24,14 @@ std::string Wording::distance(double distance_m) const {
   return phrases().count("metre", std::max(0.5, std::round(distance_m * 2) / 2));
 }
 
+// Going too far costs twice, so a third of the roundings may.
+std::string Wording::distance_to_walk(double distance_m) const {
+  constexpr double kLess = 0.5 - 1.0 / 3;
+  constexpr double kHalfMetre_m = 0.5;
+  const bool in_steps = style.distances == DistanceUnit::kSteps;
+  return distance(distance_m - kLess * (in_steps ? style.step_m : kHalfMetre_m));
+}
+
 double speaking_s(const std::string& text) {
   constexpr double kSound_s = 0.3, kLetter_s = 0.065;
   return kSound_s + kLetter_s * static_cast<double>(text.size());

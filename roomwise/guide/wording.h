@@ -29,6 +29,9 @@ struct Wording {
   [[nodiscard]] const Phrasebook& phrases() const { return catalogue->in(style.language); }
   // "3 steps" (rounded, one at least) or "1.5 metres" (to half a metre, a half at least).
   [[nodiscard]] std::string distance(double distance_m) const;
+  // Of what is to be walked, rather less than more: who stops short is told the rest, who goes too
+  // far has to come back.
+  [[nodiscard]] std::string distance_to_walk(double distance_m) const;
 };
 
 // How long what is said may wait, from the moment that it rests on. A prompt that is not begun
