@@ -3,8 +3,8 @@
 #include <string_view>
 
 #include "fuzz_target.h"
-#include "roomwise/guide/message_catalogue.h"
 #include "roomwise/guide/questions/refusal_prompts.h"
+#include "roomwise/guide/words/message_catalogue.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using roomwise::guide::Understood;

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "roomwise/guide/notices.h"
-#include "roomwise/guide/prompt_queue.h"
+#include "roomwise/guide/words/notices.h"
+#include "roomwise/guide/words/prompt_queue.h"
 #include "roomwise/speech/speaker.h"
 
 namespace roomwise::app {

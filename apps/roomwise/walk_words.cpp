@@ -1,7 +1,7 @@
 #include "walk_words.h"
 
 #include "roomwise/base/calendar_time.h"
-#include "roomwise/guide/message_catalogue.h"
+#include "roomwise/guide/words/message_catalogue.h"
 
 namespace roomwise::app {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "roomwise/guide/prompt.h"
+#include "roomwise/guide/words/prompt.h"
 #include "roomwise/speech/pcm.h"
 
 namespace roomwise::speech {

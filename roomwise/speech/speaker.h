@@ -2,7 +2,7 @@
 
 #include "roomwise/base/expected.h"
 #include "roomwise/base/timestamp.h"
-#include "roomwise/guide/prompt_queue.h"
+#include "roomwise/guide/words/prompt_queue.h"
 
 namespace roomwise::speech {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "laboratory/trials/guidance/leader.h"
-#include "roomwise/guide/legs.h"
+#include "roomwise/guide/way/legs.h"
 
 namespace roomwise::trials {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "laboratory/trials/guidance/modelled_leader.h"
 #include "roomwise/evaluation/quantile.h"
-#include "roomwise/guide/prompt_queue.h"
-#include "roomwise/guide/route_prompts.h"
+#include "roomwise/guide/answers/route_prompts.h"
+#include "roomwise/guide/words/prompt_queue.h"
 
 namespace roomwise::trials {
 namespace {

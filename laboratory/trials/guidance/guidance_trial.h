@@ -11,7 +11,7 @@
 #include "laboratory/trials/guidance/leader.h"
 #include "laboratory/trials/guidance/modelled_position.h"
 #include "laboratory/trials/guidance/simulated_walker.h"
-#include "roomwise/guide/guidance.h"
+#include "roomwise/guide/led/guidance.h"
 
 // Made-up people are led through made-up homes by what they hear.
 namespace roomwise::trials {

@@ -11,8 +11,8 @@
 #include "laboratory/simulation/walk/walk.h"
 #include "laboratory/trials/true_objects.h"
 #include "roomwise/base/random.h"
-#include "roomwise/guide/floor_search.h"
-#include "roomwise/guide/legs.h"
+#include "roomwise/guide/way/floor_search.h"
+#include "roomwise/guide/way/legs.h"
 
 namespace roomwise::trials {
 namespace {

@@ -7,7 +7,7 @@
 #include "laboratory/simulation/home/free_space.h"
 #include "laboratory/simulation/home/home_model.h"
 #include "roomwise/base/expected.h"
-#include "roomwise/guide/plan.h"
+#include "roomwise/guide/way/plan.h"
 
 // Made-up homes to lead made-up people through. World frame: that of the home, z up, metres; it is
 // the gravity-aligned frame of the map, too.

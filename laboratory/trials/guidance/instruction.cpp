@@ -5,7 +5,7 @@
 #include <numbers>
 #include <string_view>
 
-#include "roomwise/guide/legs.h"
+#include "roomwise/guide/way/legs.h"
 
 namespace roomwise::trials {
 namespace {

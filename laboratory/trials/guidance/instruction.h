@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "roomwise/guide/prompt.h"
-#include "roomwise/guide/wording.h"
+#include "roomwise/guide/words/prompt.h"
+#include "roomwise/guide/words/wording.h"
 
 namespace roomwise::trials {
 

@@ -6,7 +6,7 @@
 
 #include "laboratory/trials/guidance/simulated_walker.h"
 #include "roomwise/base/expected.h"
-#include "roomwise/guide/guidance.h"
+#include "roomwise/guide/led/guidance.h"
 
 namespace roomwise::trials {
 

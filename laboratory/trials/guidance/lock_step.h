@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "roomwise/guide/prompt.h"
+#include "roomwise/guide/words/prompt.h"
 #include "roomwise/service/client/client.h"
 #include "roomwise/service/protocol/messages.h"
 

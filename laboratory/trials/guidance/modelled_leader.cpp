@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "laboratory/simulation/home/home_geometry.h"
-#include "roomwise/guide/legs.h"
+#include "roomwise/guide/way/legs.h"
 
 namespace roomwise::trials {
 namespace {

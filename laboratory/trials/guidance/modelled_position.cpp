@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "roomwise/guide/legs.h"
+#include "roomwise/guide/way/legs.h"
 
 namespace roomwise::trials {
 

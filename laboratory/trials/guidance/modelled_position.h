@@ -6,7 +6,7 @@
 #include "laboratory/simulation/home/home_model.h"
 #include "roomwise/base/expected.h"
 #include "roomwise/base/random.h"
-#include "roomwise/guide/places.h"
+#include "roomwise/guide/places/places.h"
 
 namespace roomwise::trials {
 

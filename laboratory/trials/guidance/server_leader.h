@@ -8,7 +8,7 @@
 #include "laboratory/trials/guidance/leader.h"
 #include "laboratory/trials/guidance/lock_step.h"
 #include "laboratory/trials/guidance/true_frame.h"
-#include "roomwise/guide/wording.h"
+#include "roomwise/guide/words/wording.h"
 
 namespace roomwise::trials {
 

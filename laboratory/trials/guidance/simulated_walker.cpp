@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "roomwise/guide/legs.h"
+#include "roomwise/guide/way/legs.h"
 
 namespace roomwise::trials {
 namespace {

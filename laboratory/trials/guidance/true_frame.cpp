@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "roomwise/guide/legs.h"
+#include "roomwise/guide/way/legs.h"
 
 namespace roomwise::trials {
 namespace {

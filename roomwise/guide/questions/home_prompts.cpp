@@ -5,10 +5,10 @@
 #include <map>
 #include <numbers>
 
-#include "roomwise/guide/guidance_words.h"
-#include "roomwise/guide/legs.h"
-#include "roomwise/guide/seen_prompt.h"
-#include "roomwise/guide/surfaces.h"
+#include "roomwise/guide/answers/seen_prompt.h"
+#include "roomwise/guide/places/surfaces.h"
+#include "roomwise/guide/way/legs.h"
+#include "roomwise/guide/way/way_phrases.h"
 
 namespace roomwise::guide {
 namespace {

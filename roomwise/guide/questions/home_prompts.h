@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "roomwise/guide/plan.h"
-#include "roomwise/guide/wording.h"
+#include "roomwise/guide/way/plan.h"
+#include "roomwise/guide/words/wording.h"
 
 // Answers from what the map knows. Each is never empty; what holds of the map only, and not of this
 // moment, is said as what is known. Where things are named, the day of the one that was not seen

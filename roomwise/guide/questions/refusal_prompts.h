@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "roomwise/guide/questions/understand.h"
-#include "roomwise/guide/wording.h"
+#include "roomwise/guide/words/wording.h"
 
 namespace roomwise::guide {
 

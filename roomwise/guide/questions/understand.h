@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "roomwise/guide/grammar/question_type.h"
-#include "roomwise/guide/phrasebook.h"
+#include "roomwise/guide/words/phrasebook.h"
 #include "roomwise/objects/detection/object_vocabulary.h"
 
 namespace roomwise::guide {

@@ -8,7 +8,7 @@
 #include "roomwise/base/random.h"
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/guide/grammar/folded_words.h"
-#include "roomwise/guide/message_catalogue.h"
+#include "roomwise/guide/words/message_catalogue.h"
 
 namespace roomwise::guide {
 namespace {

@@ -7,5 +7,6 @@ namespace roomwise::guide {
 
 constexpr TimestampNs kSecond = 1'000'000'000;
 constexpr TimestampNs kNow = 5 * kSecond;
+constexpr TimestampNs kTick = kSecond / 5;  // of who is led
 
 }  // namespace roomwise::guide

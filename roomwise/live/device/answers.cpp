@@ -4,14 +4,14 @@
 #include <map>
 #include <set>
 
-#include "roomwise/guide/legs.h"
+#include "roomwise/guide/answers/room_prompts.h"
+#include "roomwise/guide/answers/route_prompts.h"
+#include "roomwise/guide/answers/spot_prompts.h"
+#include "roomwise/guide/answers/thing_prompts.h"
+#include "roomwise/guide/places/surfaces.h"
 #include "roomwise/guide/questions/home_prompts.h"
 #include "roomwise/guide/questions/refusal_prompts.h"
-#include "roomwise/guide/room_prompts.h"
-#include "roomwise/guide/route_prompts.h"
-#include "roomwise/guide/spot_prompts.h"
-#include "roomwise/guide/surfaces.h"
-#include "roomwise/guide/thing_prompts.h"
+#include "roomwise/guide/way/legs.h"
 
 namespace roomwise::live {
 namespace {

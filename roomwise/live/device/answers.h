@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "roomwise/base/calendar_time.h"
-#include "roomwise/guide/message_catalogue.h"
-#include "roomwise/guide/places.h"
-#include "roomwise/guide/prompt.h"
+#include "roomwise/guide/places/places.h"
 #include "roomwise/guide/questions/understand.h"
-#include "roomwise/guide/wording.h"
+#include "roomwise/guide/words/message_catalogue.h"
+#include "roomwise/guide/words/prompt.h"
+#include "roomwise/guide/words/wording.h"
 #include "roomwise/live/device/frame_processor.h"
 #include "roomwise/service/protocol/messages.h"
 

@@ -7,8 +7,8 @@
 #include <type_traits>
 
 #include "roomwise/base/stopwatch.h"
+#include "roomwise/guide/answers/watch_prompts.h"
 #include "roomwise/guide/questions/refusal_prompts.h"
-#include "roomwise/guide/watch_prompts.h"
 #include "roomwise/service/protocol/prompt_message.h"
 
 namespace roomwise::live {

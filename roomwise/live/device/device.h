@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "roomwise/guide/spot_prompts.h"
+#include "roomwise/guide/answers/spot_prompts.h"
 #include "roomwise/live/device/answers.h"
 #include "roomwise/live/device/frame_processor.h"
 #include "roomwise/live/device/led_walk.h"

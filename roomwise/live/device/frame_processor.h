@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "roomwise/guide/obstacle.h"
-#include "roomwise/guide/places.h"
+#include "roomwise/guide/places/obstacle.h"
+#include "roomwise/guide/places/places.h"
 #include "roomwise/live/recording/frame_images.h"
 #include "roomwise/live/view/home_view.h"
 #include "roomwise/mapping/localization/lens_calibration.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "roomwise/guide/thing_prompts.h"
+#include "roomwise/guide/answers/thing_prompts.h"
 
 namespace roomwise::live {
 namespace {

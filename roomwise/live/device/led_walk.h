@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "roomwise/guide/guidance.h"
+#include "roomwise/guide/led/guidance.h"
 #include "roomwise/live/device/answers.h"
 
 namespace roomwise::live {

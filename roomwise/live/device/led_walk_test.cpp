@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "roomwise/guide/spot_prompts.h"
+#include "roomwise/guide/answers/spot_prompts.h"
 
 namespace roomwise::live {
 namespace {

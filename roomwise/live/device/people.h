@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "roomwise/guide/people_prompts.h"
+#include "roomwise/guide/answers/people_prompts.h"
 #include "roomwise/live/recording/frame_images.h"
 #include "roomwise/objects/detection/region_finder.h"
 

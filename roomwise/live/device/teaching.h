@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "roomwise/guide/teaching_prompts.h"
+#include "roomwise/guide/answers/teaching_prompts.h"
 #include "roomwise/live/recording/frame_images.h"
 #include "roomwise/objects/own_things/shown_thing.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "roomwise/guide/legs.h"
 #include "roomwise/guide/questions/refusal_prompts.h"
+#include "roomwise/guide/way/legs.h"
 #include "roomwise/live/device/led_walk.h"
 
 namespace roomwise::live {

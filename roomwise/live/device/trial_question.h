@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "roomwise/guide/route.h"
+#include "roomwise/guide/way/route.h"
 #include "roomwise/live/device/answers.h"
 
 namespace roomwise::live {

@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "roomwise/guide/spot_prompts.h"
+#include "roomwise/guide/answers/spot_prompts.h"
 
 namespace roomwise::live {
 namespace {

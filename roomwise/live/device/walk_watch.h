@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "roomwise/guide/prompt.h"
+#include "roomwise/guide/words/prompt.h"
 #include "roomwise/live/device/frame_processor.h"
 #include "roomwise/service/credentials/identity.h"
 #include "roomwise/service/protocol/messages.h"

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "roomwise/guide/spot_prompts.h"
+#include "roomwise/guide/answers/spot_prompts.h"
 #include "roomwise/live/home/live_home.h"
 
 // Places that people mark in a home that is open.

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "roomwise/guide/spot_prompts.h"
+#include "roomwise/guide/answers/spot_prompts.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/live/routes/home_routes.h"
 #include "roomwise/pipeline/edits/walk_edits.h"

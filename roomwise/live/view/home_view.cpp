@@ -5,7 +5,7 @@
 #include <ranges>
 #include <set>
 
-#include "roomwise/guide/spot_prompts.h"
+#include "roomwise/guide/answers/spot_prompts.h"
 #include "roomwise/pipeline/edits/undo_edit.h"
 #include "roomwise/pipeline/objects/thing_history.h"
 #include "roomwise/pipeline/rooms/home_layout.h"

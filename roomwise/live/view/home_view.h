@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "roomwise/guide/plan.h"
 #include "roomwise/guide/questions/home_prompts.h"
+#include "roomwise/guide/way/plan.h"
 #include "roomwise/home/home.h"
 #include "roomwise/live/view/live_map.h"
 #include "roomwise/pipeline/edits/marked_spots.h"

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "roomwise/base/disjoint_sets.h"
-#include "roomwise/guide/plan.h"
+#include "roomwise/guide/way/plan.h"
 
 namespace roomwise::pipeline {
 namespace {

@@ -4,8 +4,8 @@
 #include <map>
 #include <optional>
 
-#include "roomwise/guide/in_room.h"
-#include "roomwise/guide/room_prompts.h"
+#include "roomwise/guide/answers/room_prompts.h"
+#include "roomwise/guide/places/home_map.h"
 #include "roomwise/pipeline/exports/foxglove_json.h"
 #include "roomwise/pipeline/exports/home_contents.h"
 #include "roomwise/pipeline/exports/shared_picture.h"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "roomwise/base/expected.h"
-#include "roomwise/guide/prompt.h"
+#include "roomwise/guide/words/prompt.h"
 #include "roomwise/service/protocol/messages.h"
 
 // What is said to somebody, on its way to their device. Both ends take it from here.

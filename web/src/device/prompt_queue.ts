@@ -1,5 +1,5 @@
 // What is said next. Pure: the caller hands in the clock (milliseconds) and does the speaking. The rules are those of the
-// library's queue (roomwise/guide/prompt_queue.h):
+// library's queue (roomwise/guide/words/prompt_queue.h):
 //
 // - The most urgent first; of equals, the one that came first.
 // - A newer prompt takes the place of a waiting one of the same key, and of the parts of that ("around/2"), also where it

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "roomwise/guide/places/places.h"
+#include "roomwise/guide/words/wording.h"
+#include "roomwise/objects/detection/object_vocabulary.h"
+#include "roomwise/rooms/layout/room_layout.h"
+
+namespace roomwise::guide {
+
+// The answer to "what is around me", in the order in which it is to be spoken: first what is in
+// reach of a hand, by name; then a prompt a thing with its direction and distance, what is near and
+// large before what is far and small. Four things at most, one of a name, and none of other rooms.
+// Without a pose the names of what is in the room. What was seen long ago (`today` tells how long)
+// is probable only. Never empty.
+[[nodiscard]] std::vector<Prompt> around_prompts(const UserLocation& location,
+                                                 std::span<const KnownThing> things,
+                                                 const Wording& wording, TimestampNs now_ns,
+                                                 const std::optional<CalendarTime>& today = {});
+
+// The thing of the home that somebody means by a name: the home's own name, what it is called in
+// their language, or a label that the vocabulary knows for it; nothing where the home has none.
+[[nodiscard]] std::optional<std::string> thing_meant(const std::string& asked,
+                                                     std::span<const KnownThing> things,
+                                                     const objects::ObjectVocabulary& vocabulary,
+                                                     const Phrasebook& phrases);
+
+// The answer to "where is X": the nearest of that name by direction and distance in the same room,
+// else its room and the rooms on the way there; of a kind that people carry about (objects::Kind)
+// when it was seen, if that and `today` are known; then how many there are, if several. Never
+// empty.
+[[nodiscard]] std::vector<Prompt> where_prompts(
+    const std::string& asked, const UserLocation& location, std::span<const KnownThing> things,
+    std::span<const rooms::Doorway> doorways, const objects::ObjectVocabulary& vocabulary,
+    const Wording& wording, TimestampNs now_ns, const std::optional<CalendarTime>& today = {});
+
+}  // namespace roomwise::guide

@@ -1,0 +1,70 @@
+#include "roomwise/guide/led/barred_floor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+#include "roomwise/guide/places/clearance.h"
+#include "roomwise/guide/places/obstacle.h"
+#include "roomwise/guide/way/legs.h"
+
+namespace roomwise::guide {
+
+using Eigen::Vector2d;
+
+void BarredFloor::bar_ahead(const Pose& pose, double radius_m) {
+  constexpr double kTouched_m = 0.35;
+  const Vector2d middle = pose.place_of({kTouched_m + radius_m, 0});
+  mark_occupied({&middle, 1}, radius_m);
+}
+
+void BarredFloor::bar_seen(std::span<const Vector2d> obstacles) {
+  constexpr double kSquare_m = 0.1;  // that each of them stands for
+  std::vector<Vector2d> unknown;
+  std::ranges::copy_if(obstacles, std::back_inserter(unknown),
+                       [&](const Vector2d& obstacle) { return !is_on_map(obstacle, *grid()); });
+  mark_occupied(unknown, kSquare_m / 2 + map_->cell_m() / 2);
+}
+
+void BarredFloor::mark_occupied(std::span<const Vector2d> middles, double radius_m) {
+  const fusion::FloorGrid& floor = *grid();
+  image::Image<fusion::FloorCell> cells(floor.columns(), floor.rows(), fusion::FloorCell::kUnknown);
+  for (int row = 0; row < floor.rows(); ++row) {
+    for (int column = 0; column < floor.columns(); ++column) {
+      const Vector2d cell = floor.cell_middle_m(column, row);
+      const bool is_barred = std::ranges::any_of(
+          middles, [&](const Vector2d& middle) { return (cell - middle).norm() <= radius_m; });
+      cells.at(column, row) = is_barred ? fusion::FloorCell::kOccupied : floor.at(column, row);
+    }
+  }
+  barred_ = fusion::FloorGrid(floor.origin_m(), floor.cell_m(), std::move(cells));
+}
+
+bool BarredFloor::was_barred_at(const Pose& pose) const {
+  return tried_at_ && (*tried_at_ - pose.position_gravity).norm() < kHand_m;
+}
+
+void BarredFloor::count_try(const Pose& pose) {
+  tries_ = was_barred_at(pose) ? tries_ + 1 : 1;
+  tried_at_ = pose.position_gravity;
+}
+
+double BarredFloor::narrow_m_at(const Vector2d& here, double narrow_radius_m) const {
+  return std::clamp(clearance_m(*grid(), here) - kPlaceError_m, 0.0, narrow_radius_m);
+}
+
+double BarredFloor::freer_side(const Pose& pose) const {
+  constexpr double kAhead_m = 0.5;
+  const auto room_m = [&](double side) {
+    const double heading = pose.heading_rad + side * 30 * kDegree_rad;
+    const Vector2d place =
+        pose.position_gravity + kAhead_m * Vector2d(std::cos(heading), std::sin(heading));
+    double clear_m = 0;
+    while (clear_m < kAhead_m && grid()->fits(place, clear_m)) clear_m += map_->cell_m();
+    return clear_m;
+  };
+  return room_m(1) >= room_m(-1) ? 1 : -1;
+}
+
+}  // namespace roomwise::guide

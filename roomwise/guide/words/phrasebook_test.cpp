@@ -1,0 +1,178 @@
+#include "roomwise/guide/words/phrasebook.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/guide/words/message_catalogue.h"
+
+namespace roomwise::guide {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class PhrasebookTest : public ::testing::Test {
+ protected:
+  const MessageCatalogue catalogue_ = MessageCatalogue::built_in();
+  const Phrasebook& english_ = catalogue_.in("en");
+  const Phrasebook& german_ = catalogue_.in("de");
+  const Phrasebook& spanish_ = catalogue_.in("es");
+  const Phrasebook& french_ = catalogue_.in("fr");
+};
+
+TEST_F(PhrasebookTest, SpanishAndFrenchAgreeAndElide) {
+  EXPECT_EQ(spanish_.text("room.is", {{"room", room("kitchen")}}), "Está en la cocina.");
+  EXPECT_EQ(spanish_.text("room.is", {{"room", room("bedroom 2")}}), "Está en dormitorio 2.");
+  EXPECT_EQ(spanish_.text("where.unknown", {{"thing", thing("bed")}}),
+            "Aquí no conozco ninguna cama.");
+  EXPECT_EQ(french_.text("room.is", {{"room", room("kitchen")}}), "Vous êtes dans la cuisine.");
+  EXPECT_EQ(french_.text("room.is", {{"room", room("workshop")}}), "Vous êtes dans l'atelier.");
+  EXPECT_EQ(french_.text("guide.far", {{"distance", "3 pas"}, {"goal", thing("wardrobe")}}),
+            "3 pas jusqu'à l'armoire.");
+  EXPECT_EQ(french_.text("where.no_room", {{"thing", thing("sink")}}),
+            "Je ne sais pas où est l'évier.");
+}
+
+TEST_F(PhrasebookTest, NumbersAreCountedByTheRuleOfTheLanguage) {
+  EXPECT_EQ(french_.count("metre", 0.5), "0,5 mètre");
+  EXPECT_EQ(french_.count("metre", 1.5), "1,5 mètre");
+  EXPECT_EQ(french_.count("metre", 2), "2 mètres");
+  EXPECT_EQ(spanish_.count("metre", 0.5), "0,5 metros");
+  EXPECT_EQ(spanish_.count("metre", 1), "1 metro");
+  const auto at_hour = [&](const char* hour) {
+    return spanish_.text("guide.turn_hour_left", {{"hour", hour}});
+  };
+  EXPECT_EQ(at_hour("1"), "Gire a la 1.");
+  EXPECT_EQ(at_hour("3"), "Gire a las 3.");
+}
+
+TEST_F(PhrasebookTest, WordsOfTheHomeTakeTheArticleOfTheirGender) {
+  EXPECT_EQ(english_.text("room.is", {{"room", room("kitchen")}}), "You are in the kitchen.");
+  EXPECT_EQ(german_.text("room.is", {{"room", room("kitchen")}}), "Sie sind in der Küche.");
+  EXPECT_EQ(german_.text("room.is", {{"room", room("corridor")}}), "Sie sind im Flur.");
+  EXPECT_EQ(german_.text("room.is", {{"room", room("balcony")}}), "Sie sind auf dem Balkon.");
+  EXPECT_EQ(german_.text("where.unknown", {{"thing", thing("fridge")}}),
+            "Ich kenne hier keinen Kühlschrank.");
+  EXPECT_EQ(german_.text("where.unknown", {{"thing", thing("bed")}}), "Ich kenne hier kein Bett.");
+  EXPECT_EQ(german_.text("where.through", {{"thing", thing("microwave")},
+                                           {"room", room("kitchen")},
+                                           {"via", room_list({"corridor", "hall"})}}),
+            "Die Mikrowelle ist in der Küche, durch den Flur und die Diele.");
+}
+
+TEST_F(PhrasebookTest, NamesThatTheHelperGaveAreSpokenAsTheyAre) {
+  EXPECT_EQ(english_.text("room.is", {{"room", room("Anna's room")}}), "You are in Anna's room.");
+  EXPECT_EQ(english_.text("room.is", {{"room", room("boot room")}}), "You are in the boot room.");
+  EXPECT_EQ(german_.text("room.is", {{"room", room("Annas Reich")}}),
+            "Sie sind im Raum Annas Reich.");
+  EXPECT_EQ(german_.text("where.unknown", {{"thing", thing("Staffelei")}}),
+            "Ich kenne hier nichts namens Staffelei.");
+  EXPECT_EQ(german_.text("where.count", {{"count", "3"}, {"thing", thing("Staffelei")}}),
+            "Ich kenne 3 Dinge namens Staffelei. Das war das Nächste.");
+  EXPECT_EQ(english_.text("around.close", {{"things", thing("{hour}")}}), "Close to you: {hour}.");
+}
+
+TEST_F(PhrasebookTest, ANameInTheSpeakersLanguageIsAKnownWord) {
+  EXPECT_EQ(german_.text("room.is", {{"room", room("Küche")}}), "Sie sind in der Küche.");
+  EXPECT_EQ(german_.text("room.is", {{"room", room("KÜCHE")}}), "Sie sind in der Küche.");
+  EXPECT_EQ(english_.text("room.is", {{"room", room("Kitchen")}}), "You are in the kitchen.");
+}
+
+TEST_F(PhrasebookTest, NumberedRoomsKeepTheirGenderAndLoseEnglishArticles) {
+  EXPECT_EQ(english_.text("room.is", {{"room", room("bedroom 2")}}), "You are in bedroom 2.");
+  EXPECT_EQ(german_.text("room.is", {{"room", room("bedroom 2")}}), "Sie sind im Schlafzimmer 2.");
+  EXPECT_EQ(german_.text("room.is", {{"room", room("balcony 2")}}), "Sie sind auf dem Balkon 2.");
+  EXPECT_EQ(english_.text("room.is", {{"room", room("2")}}), "You are in the 2.");
+}
+
+TEST_F(PhrasebookTest, ListsAndFirstLetters) {
+  EXPECT_EQ(english_.text("around.close", {{"things", thing_list({"bed"})}}), "Close to you: bed.");
+  EXPECT_EQ(english_.text("around.close", {{"things", thing_list({"bed", "chair", "tv"})}}),
+            "Close to you: bed, chair and TV.");
+  EXPECT_EQ(german_.text("where.here", {{"thing", thing("ölbild")}}), "Ölbild ist in diesem Raum.");
+}
+
+TEST_F(PhrasebookTest, CountsAreInflected) {
+  EXPECT_EQ(english_.count("step", 1), "1 step");
+  EXPECT_EQ(english_.count("step", 3), "3 steps");
+  EXPECT_EQ(english_.count("metre", 1.5), "1.5 metres");
+  EXPECT_EQ(english_.count("metre", 0.98), "1 metre");
+  EXPECT_EQ(german_.count("metre", 2.5), "2,5 Meter");
+  EXPECT_EQ(german_.count("step", 1), "1 Schritt");
+}
+
+TEST_F(PhrasebookTest, MonthsHaveNames) {
+  EXPECT_EQ(english_.month(1), "January");
+  EXPECT_EQ(german_.month(12), "Dezember");
+}
+
+TEST_F(PhrasebookTest, FindsWhatSomebodyMeansByItsNames) {
+  EXPECT_THAT(english_.words_for(Noun::Kind::kThing, "Couch"), ElementsAre("sofa"));
+  EXPECT_THAT(english_.words_for(Noun::Kind::kThing, "oven"), ElementsAre("oven", "stove"));
+  EXPECT_THAT(german_.words_for(Noun::Kind::kThing, "ÖFEN"), IsEmpty());
+  EXPECT_THAT(german_.words_for(Noun::Kind::kThing, "BACKÖFEN"), ElementsAre("oven"));
+  EXPECT_THAT(german_.words_for(Noun::Kind::kRoom, "badezimmer"), ElementsAre("bathroom"));
+  EXPECT_THAT(german_.words_for(Noun::Kind::kThing, "badezimmer"), IsEmpty());
+}
+
+TEST_F(PhrasebookTest, AMissingValueOrMessageIsABug) {
+  EXPECT_THROW((void)english_.text("room.is"), std::invalid_argument);
+  EXPECT_THROW((void)english_.text("room.was"), std::invalid_argument);
+}
+
+// A smallest file, to be spoiled.
+nlohmann::json small_file() {
+  nlohmann::json file =
+      nlohmann::json::parse(R"({"language": "xx", "name": "X", "messages": {"a": "{the thing}!"},
+    "counts": {"step": {"one": "1", "other": "{n}"}}, "singular": "1", "decimal": ".", "and": "&",
+    "months": ["1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12"],
+    "forms": {"the": {"c": "le {}", "proper": "{}", "other": "{}"}},
+    "rooms": {"hall": {"name": "gang", "class": "c"}}, "goals": {}})");
+  file["questions"] = nlohmann::json::parse(built_in_messages()[0])["questions"];
+  return file;
+}
+
+TEST(PhrasebookFileTest, SaysWhatIsWrong) {
+  EXPECT_OK(Phrasebook::parse(small_file().dump(), {}));
+  EXPECT_ERROR(Phrasebook::parse("{", {}), "parse error");
+  EXPECT_ERROR(Phrasebook::parse("{}", {}), "'language' not found");
+  const auto spoiled = [](const char* pointer, const nlohmann::json& value) {
+    nlohmann::json file = small_file();
+    file[nlohmann::json::json_pointer(pointer)] = value;
+    return Phrasebook::parse(file.dump(), {});
+  };
+  EXPECT_ERROR(spoiled("/messages/a", 7), "must be string");
+  EXPECT_ERROR(spoiled("/messages/a", "{the thing"), "message \"a\": a brace is not closed");
+  EXPECT_ERROR(spoiled("/messages/a", "{las thing}"), "message \"a\": there is no form \"las\"");
+  EXPECT_ERROR(spoiled("/forms/the", {{"c", "{}"}, {"other", "{}"}}), "lacks \"proper\"");
+  EXPECT_ERROR(spoiled("/forms/the/c", "le"), "form \"the\", \"c\": there is no {}");
+  EXPECT_ERROR(spoiled("/counts/step", {{"one", "1"}}), "count \"step\" lacks");
+  EXPECT_ERROR(spoiled("/singular", "2"), "singular is \"2\"; expected \"1\" or \"below 2\"");
+  EXPECT_ERROR(spoiled("/questions/endings", 1), "questions:");
+  EXPECT_ERROR(spoiled("/months", {"January"}), "months: expected twelve names");
+  EXPECT_ERROR(spoiled("/months/11", ""), "months: expected twelve names");
+  EXPECT_ERROR(spoiled("/rooms/hall/class", "q"), "word \"hall\": neither it nor its class \"q\"");
+  EXPECT_ERROR(spoiled("/rooms/hall/la", "la gang"), "there is no form \"la\"");
+}
+
+TEST(PhrasebookFileTest, ThingsAreCalledAsTheirKindsSay) {
+  objects::Kind bed, unnamed;
+  bed.name = "bed";
+  bed.called["xx"] = {"bett", "c", {}, {"lager"}};
+  unnamed.name = "rug";
+  const auto book = Phrasebook::parse(small_file().dump(), std::vector{bed, unnamed});
+  ASSERT_OK(book);
+  EXPECT_EQ(book->text("a", {{"thing", thing("bed")}}), "Le bett!");
+  EXPECT_EQ(book->text("a", {{"thing", thing("rug")}}), "Rug!") << "nobody gave it a name here";
+  EXPECT_THAT(book->words_for(Noun::Kind::kThing, "Lager"), ElementsAre("bed"));
+  bed.called["xx"].word_class = "q";
+  EXPECT_ERROR(Phrasebook::parse(small_file().dump(), std::vector{bed}), "word \"bed\": neither");
+}
+
+}  // namespace
+}  // namespace roomwise::guide
