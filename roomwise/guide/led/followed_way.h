@@ -34,9 +34,9 @@ class FollowedWay {
   [[nodiscard]] const Goal& goal() const { return goal_; }
   [[nodiscard]] const GuidanceOptions& options() const { return options_; }
   [[nodiscard]] const Plan& plan() const { return plan_; }
-  [[nodiscard]] bool leads_to_goal() const { return plan_.reach == Reach::kWhole; }
+  [[nodiscard]] bool leads_to_goal() const { return plan_.status == PlanStatus::kComplete; }
   [[nodiscard]] bool leads_over_floor() const {
-    return leads_to_goal() || plan_.reach == Reach::kNear;
+    return leads_to_goal() || plan_.status == PlanStatus::kPartial;
   }
   [[nodiscard]] double planned_m() const { return length_m(plan_.route, home_stairs()); }
 

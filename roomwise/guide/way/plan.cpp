@@ -31,7 +31,7 @@ class Planner {
 
   [[nodiscard]] std::optional<Plan> whole(double radius_m) const {
     auto plan = find(radius_m, [this](const Vector2d& place) { return end_cost(place); });
-    if (plan) plan->reach = Reach::kWhole;
+    if (plan) plan->status = PlanStatus::kComplete;
     return plan;
   }
 
@@ -61,7 +61,7 @@ class Planner {
       return place == nearest ? std::optional(0.0) : std::nullopt;
     });
     if (!plan) return std::nullopt;
-    plan->reach = Reach::kNear;
+    plan->status = PlanStatus::kPartial;
     const auto room = map_.room_at(plan->route.back());
     if (room && goal_.room && *room != *goal_.room) {
       plan->rooms = way_between_rooms(*room, *goal_.room, map_.doorways);
@@ -160,7 +160,7 @@ Plan by_rooms(const HomeMap& map, const UserLocation& from, const Goal& goal, st
     plan.rooms = way_between_rooms(*here, *goal.room, map.doorways);
     if (plan.rooms.empty()) return plan;
   }
-  plan.reach = Reach::kRooms;
+  plan.status = PlanStatus::kRoomsOnly;
   return plan;
 }
 

@@ -29,21 +29,21 @@ struct PlanOptions {
 };
 
 // How far somebody can be led.
-enum class Reach {
-  kWhole,    // along free floor, to the goal
-  kNear,     // along free floor, not to its end: the rest is told by direction, or by rooms
-  kRooms,    // the rooms that lie on the way, no more
-  kUnknown,  // nothing
+enum class PlanStatus {
+  kComplete,   // along free floor, to the goal
+  kPartial,    // along free floor, not to its end: the rest is told by direction, or by rooms
+  kRoomsOnly,  // the rooms that lie on the way, no more
+  kNone,       // nothing
 };
 
 struct Plan {
-  Reach reach = Reach::kUnknown;
-  Route route = {};        // of kWhole and kNear: from where one stands; one point: stay here
+  PlanStatus status = PlanStatus::kNone;
+  Route route = {};        // of kComplete and kPartial: from where one stands; one point: stay here
   bool is_narrow = false;  // somewhere the shoulders must be turned
-  // The goal's nearest point to the route's end (kWhole, kNear).
+  // The goal's nearest point to the route's end (kComplete, kPartial).
   Eigen::Vector2d touch_gravity = Eigen::Vector2d::Zero();
-  // From the room at the route's end (kNear) or around one (kRooms) to the goal's, both included;
-  // empty where they are the same, or it is not known.
+  // From the room at the route's end (kPartial) or around one (kRoomsOnly) to the goal's, both
+  // included; empty where they are the same, or it is not known.
   std::vector<std::string> rooms = {};
   std::string because = {};  // why it is no more than this
 };

@@ -57,7 +57,7 @@ TEST_F(TwoRoomsTest, TheWayToAThingBesideTheDoorEndsInItsRoomWithTheWholeBody) {
   draw(testing::two_rooms().fill({42, 25}, {45, 29}, FloorCell::kOccupied));
   const Plan way =
       plan(standing_at({1, 3.45}), thing_at({4.35, 2.7}, {0.3, 0.4}, std::string("kitchen")));
-  ASSERT_EQ(way.reach, Reach::kWhole);
+  ASSERT_EQ(way.status, PlanStatus::kComplete);
   const HomeMap map{&grid, &layout, layout.doorways(), {}};
   EXPECT_FALSE(is_well_inside(map, "kitchen", {4.2, 3.45})) << "in the door's frame";
   EXPECT_TRUE(is_well_inside(map, "kitchen", way.route.back())) << way.route.back().transpose();
@@ -77,7 +77,7 @@ TEST(PlanTest, ABedBetweenWallsIsReachedFromItsFreeSide) {
   const FloorGrid grid = floor.grid();
   const HomeMap map{&grid, nullptr, {}, {}};
   const Plan plan = plan_way(map, standing_at({0.6, 0.6}), thing_at({4.7, 1.5}, {2.4, 2}));
-  EXPECT_EQ(plan.reach, Reach::kWhole);
+  EXPECT_EQ(plan.status, PlanStatus::kComplete);
   EXPECT_FALSE(plan.is_narrow);
   EXPECT_NEAR(plan.route.back().x(), 3.15, 0.1);
   EXPECT_NEAR(plan.touch_gravity.x(), 3.5, 1e-9);
@@ -89,7 +89,7 @@ TEST(PlanTest, WhereShouldersMustBeTurnedItSaysSo) {
   const FloorGrid grid = floor.grid();  // a gap of 0.5 m
   const HomeMap map{&grid, nullptr, {}, {}};
   const Plan plan = plan_way(map, standing_at({0.6, 0.6}), thing_at({5, 2}, {0.2, 0.2}));
-  EXPECT_EQ(plan.reach, Reach::kWhole);
+  EXPECT_EQ(plan.status, PlanStatus::kComplete);
   EXPECT_TRUE(plan.is_narrow);
 }
 
@@ -102,7 +102,7 @@ TEST(PlanTest, AWayHasAsManyLegsAsItNeeds) {
   const FloorGrid grid = floor.grid();
   const HomeMap map{&grid, nullptr, {}, {}};
   const Plan plan = plan_way(map, standing_at({0.5, 0.5}), thing_at({9.5, 3.5}, {0.2, 0.2}));
-  EXPECT_EQ(plan.reach, Reach::kWhole);
+  EXPECT_EQ(plan.status, PlanStatus::kComplete);
   EXPECT_GT(legs_of(plan.route, {}).size(), 8u);
 }
 
@@ -110,14 +110,14 @@ TEST_F(TwoRoomsTest, AThingAtTheWallIsReachedInItsOwnRoom) {
   draw(testing::two_rooms().fill({32, 8}, {40, 16}, FloorCell::kOccupied));
   const Goal goal = thing_at({3.6, 1.2}, {0.8, 0.8}, "bedroom");
   const Plan plan = this->plan(standing_at({5, 1.2}), goal);
-  EXPECT_EQ(plan.reach, Reach::kWhole);
+  EXPECT_EQ(plan.status, PlanStatus::kComplete);
   EXPECT_LT(plan.route.back().x(), 3.9);
   EXPECT_THAT(plan.rooms, IsEmpty());
 }
 
 TEST_F(TwoRoomsTest, ARoomIsReachedBeyondItsDoor) {
   const Plan plan = this->plan(standing_at({1, 1}), room("kitchen"));
-  EXPECT_EQ(plan.reach, Reach::kWhole);
+  EXPECT_EQ(plan.status, PlanStatus::kComplete);
   EXPECT_EQ(layout.room_at(plan.route.back()), "kitchen");
   const double from_door_m = (plan.route.back() - layout.doorways()[0].middle_gravity).norm();
   EXPECT_NEAR(from_door_m, 0.8, 0.15);
@@ -127,7 +127,7 @@ TEST_F(TwoRoomsTest, ADoorIsReachedFromWhereOneIs) {
   const Goal door = Goal::of(layout.doorways()[0]);
   for (const double x : {1.0, 7.0}) {
     const Plan plan = this->plan(standing_at({x, 1}), door);
-    EXPECT_EQ(plan.reach, Reach::kWhole);
+    EXPECT_EQ(plan.status, PlanStatus::kComplete);
     EXPECT_LT(door.outline->distance_m(plan.route.back()), 0.5);
   }
 }
@@ -147,7 +147,7 @@ TEST_F(TwoRoomsTest, WhereNoSafeWayIsKnownItEndsAsNearAsOneGets) {
   draw(testing::two_rooms().fill({58, 1}, {80, 39}, FloorCell::kUnknown));
   const Goal goal = thing_at({7.3, 2}, {1, 1}, "kitchen");
   const Plan plan = this->plan(standing_at({1, 1}), goal);
-  EXPECT_EQ(plan.reach, Reach::kNear);
+  EXPECT_EQ(plan.status, PlanStatus::kPartial);
   EXPECT_NEAR(plan.route.back().x(), 5.75, 0.2);
   EXPECT_NEAR(plan.touch_gravity.x(), 6.8, 1e-9);
   EXPECT_THAT(plan.rooms, IsEmpty());
@@ -160,7 +160,7 @@ TEST_F(TwoRoomsTest, BehindADoorThatIsShutItEndsAtTheDoorAndTellsTheRooms) {
   const FloorGrid shut = testing::two_rooms().fill({40, 30}, {41, 39}, FloorCell::kOccupied).grid();
   const Goal goal = thing_at({4.6, 1}, {0.5, 0.5}, "kitchen");
   const Plan plan = plan_way({&shut, &layout, doorways, {}}, standing_at({1, 1}), goal);
-  EXPECT_EQ(plan.reach, Reach::kNear);
+  EXPECT_EQ(plan.status, PlanStatus::kPartial);
   EXPECT_LT((plan.route.back() - doorways[0].middle_gravity).norm(), 0.6)
       << "and not at the wall before the goal";
   EXPECT_THAT(plan.rooms, ElementsAre("bedroom", "kitchen"));
@@ -169,17 +169,17 @@ TEST_F(TwoRoomsTest, BehindADoorThatIsShutItEndsAtTheDoorAndTellsTheRooms) {
 TEST_F(TwoRoomsTest, WithoutAPlaceTheRoomsAreTold) {
   const Goal goal = thing_at({7, 2}, {1, 1}, "kitchen");
   const Plan plan = this->plan({.room = "bedroom"}, goal);
-  EXPECT_EQ(plan.reach, Reach::kRooms);
+  EXPECT_EQ(plan.status, PlanStatus::kRoomsOnly);
   EXPECT_THAT(plan.rooms, ElementsAre("bedroom", "kitchen"));
   EXPECT_THAT(plan.route, IsEmpty());
-  EXPECT_EQ(this->plan({.room = "kitchen"}, goal).reach, Reach::kRooms);
-  EXPECT_EQ(this->plan({}, goal).reach, Reach::kUnknown);
+  EXPECT_EQ(this->plan({.room = "kitchen"}, goal).status, PlanStatus::kRoomsOnly);
+  EXPECT_EQ(this->plan({}, goal).status, PlanStatus::kNone);
   UserLocation unsure = standing_at({1, 1});
   unsure.pose->sigma_m = 2;
-  EXPECT_EQ(this->plan(unsure, goal).reach, Reach::kUnknown);
+  EXPECT_EQ(this->plan(unsure, goal).status, PlanStatus::kNone);
   Goal unknown = goal;
   unknown.outline.reset();
-  EXPECT_EQ(this->plan(standing_at({1, 1}), unknown).reach, Reach::kRooms);
+  EXPECT_EQ(this->plan(standing_at({1, 1}), unknown).status, PlanStatus::kRoomsOnly);
 }
 
 TEST(LegsTest, DoorsAndOpeningsEndLegsAndOpenBordersDoNot) {

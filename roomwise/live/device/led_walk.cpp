@@ -20,7 +20,7 @@ std::optional<Goal> nearest(std::vector<Goal> goals, const guide::HomeMap& map,
   double min_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; goals.size() > 1 && i < goals.size(); ++i) {
     const guide::Plan plan = guide::plan_way(map, location, goals[i]);
-    if (plan.reach != guide::Reach::kWhole) continue;
+    if (plan.status != guide::PlanStatus::kComplete) continue;
     const auto stairs = map.storeys != nullptr ? std::span(map.storeys->stairs())
                                                : std::span<const fusion::Staircase>();
     const double way_m = guide::length_m(plan.route, stairs);
