@@ -168,7 +168,7 @@ std::vector<Seed> protocol_seeds() {
   add("welcome", 1, write(HomeMessage(Welcome{"flat", "device", {"bath"}, {"bed"}, true, true})));
   add("arrived", 1, write(HomeMessage(FrameArrived{12.5, 3})));
   add("seen", 1, write(HomeMessage(seen)));
-  add("aim", 1, write(HomeMessage(Aim{12.5, -30, 0.75, 1012.5})));
+  add("aim", 1, write(HomeMessage(GoalBearing{12.5, -30, 0.75, 1012.5})));
   PromptMessage prompt;
   prompt.answer_to = 7;
   prompt.text = "You are in the kitchen.";

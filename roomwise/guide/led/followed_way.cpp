@@ -238,7 +238,8 @@ bool FollowedWay::is_goal(const Vector2d& obstacle) const {
 
 // One must be able to walk straight at it until one is there, or for all but half a step: the tone
 // leads nobody around what stands beside the way.
-std::optional<Aim> FollowedWay::aim(const Pose& pose, const BarredFloor& floor) const {
+std::optional<GoalBearing> FollowedWay::goal_bearing(const Pose& pose,
+                                                     const BarredFloor& floor) const {
   const bool is_near_end = leads_to_goal() && has_legs() && is_last_leg() && !leg().stairs;
   if (!is_near_end || !goal_.is_solid() || !goal_.is_sure) return std::nullopt;
   const Vector2d& here = pose.position_gravity;
@@ -251,7 +252,7 @@ std::optional<Aim> FollowedWay::aim(const Pose& pose, const BarredFloor& floor) 
   const Vector2d end = Pose{here, heading_rad}.place_of({further_m, 0});
   const double narrow_m = floor.narrow_m_at(here, options_.plan.narrow_radius_m);
   if (further_m >= kLegEnd_m && !is_clear(*floor.grid(), here, end, narrow_m)) return std::nullopt;
-  return Aim{turn_rad(pose.heading_rad, heading_rad), bearing.distance_m};
+  return GoalBearing{turn_rad(pose.heading_rad, heading_rad), bearing.distance_m};
 }
 
 }  // namespace roomwise::guide

@@ -13,7 +13,7 @@
 namespace roomwise::guide {
 
 // Where the goal is, for who is about to touch it.
-struct Aim {
+struct GoalBearing {
   double bearing_rad = 0;  // from where they look, positive to the left
   double distance_m = 0;   // from their middle, along the floor
 };
@@ -82,7 +82,8 @@ class FollowedWay {
   [[nodiscard]] bool is_goal(const Eigen::Vector2d& obstacle) const;
   // Of a thing that is near, where its place and theirs are sure and they could walk straight at
   // it.
-  [[nodiscard]] std::optional<Aim> aim(const Pose& pose, const BarredFloor& floor) const;
+  [[nodiscard]] std::optional<GoalBearing> goal_bearing(const Pose& pose,
+                                                        const BarredFloor& floor) const;
 
  private:
   void reach_out();

@@ -61,9 +61,9 @@ std::optional<Vector2d> Guidance::next_place() const {
   return way_.has_legs() ? std::optional(way_.next_place()) : std::nullopt;
 }
 
-std::optional<Aim> Guidance::aim() const {
+std::optional<GoalBearing> Guidance::goal_bearing() const {
   const bool acts = state_ == State::kWalking || state_ == State::kTurning;
-  return acts && walker_.pose ? way_.aim(*walker_.pose, floor_) : std::nullopt;
+  return acts && walker_.pose ? way_.goal_bearing(*walker_.pose, floor_) : std::nullopt;
 }
 
 bool Guidance::judges_obstacles(TimestampNs now_ns) const {

@@ -95,7 +95,7 @@ class Guidance {
   [[nodiscard]] const Plan& plan() const { return way_.plan(); }
   // Of a thing that is near and straight ahead or to be turned to, by the newest picture; absent
   // where its place or theirs is not sure, or something else is to be done first.
-  [[nodiscard]] std::optional<Aim> aim() const;
+  [[nodiscard]] std::optional<GoalBearing> goal_bearing() const;
   // Where the leg ends that is being walked; of stairs a place over their first step.
   [[nodiscard]] std::optional<Eigen::Vector2d> next_place() const;
 

@@ -700,100 +700,100 @@ TEST_F(GuidanceTest, TheLastMetreIsBySideReachAndHeight) {
   EXPECT_THAT(hear(30), IsEmpty());
 }
 
-class AimTest : public GuidanceTest {
+class GoalBearingTest : public GuidanceTest {
  protected:
-  AimTest() {
+  GoalBearingTest() {
     grid_ = testing::two_rooms().fill({25, 15}, {35, 25}, FloorCell::kOccupied).grid();
     has_rooms_ = false;
   }
-  [[nodiscard]] bool aims() const { return guidance_->aim().has_value(); }
+  [[nodiscard]] bool has_bearing() const { return guidance_->goal_bearing().has_value(); }
 };
 
-TEST_F(AimTest, IsAtAThingThatIsNearUntilOneIsThere) {
+TEST_F(GoalBearingTest, IsAtAThingThatIsNearUntilOneIsThere) {
   lead_to(bed_at({3, 2}, "bedroom"), {0.6, 2}, -0.36);  // to its corner
   (void)hear(9);
-  EXPECT_FALSE(aims()) << "nearly 2 m away";
+  EXPECT_FALSE(has_bearing()) << "nearly 2 m away";
   (void)hear(1, 0.6);
-  ASSERT_TRUE(aims());
+  ASSERT_TRUE(has_bearing());
   const Vector2d towards = guidance_->plan().touch_gravity - place_;
   const double bearing_rad = std::atan2(towards.y(), towards.x()) - heading_rad_;
-  EXPECT_NEAR(guidance_->aim()->distance_m, towards.norm(), 1e-6);
-  EXPECT_NEAR(guidance_->aim()->bearing_rad, bearing_rad, 1e-6);
+  EXPECT_NEAR(guidance_->goal_bearing()->distance_m, towards.norm(), 1e-6);
+  EXPECT_NEAR(guidance_->goal_bearing()->bearing_rad, bearing_rad, 1e-6);
   for (int i = 0; i < 20 && guidance_->state() != State::kArrived; ++i) (void)hear(0.4, 0.25);
   EXPECT_EQ(guidance_->state(), State::kArrived);
-  EXPECT_FALSE(aims());
+  EXPECT_FALSE(has_bearing());
 }
 
-TEST_F(AimTest, IsToTheRightOfWhoTurnsToTheLeft) {
+TEST_F(GoalBearingTest, IsToTheRightOfWhoTurnsToTheLeft) {
   lead_to(bed_at({3, 2}, "bedroom"), {1.2, 2}, 0);
   (void)hear(9);
-  ASSERT_TRUE(aims());
-  const double bearing_rad = guidance_->aim()->bearing_rad;
+  ASSERT_TRUE(has_bearing());
+  const double bearing_rad = guidance_->goal_bearing()->bearing_rad;
   (void)hear(1, 0, 0.5);
-  ASSERT_TRUE(aims());
-  EXPECT_NEAR(guidance_->aim()->bearing_rad, bearing_rad - 0.5, 1e-6);
+  ASSERT_TRUE(has_bearing());
+  EXPECT_NEAR(guidance_->goal_bearing()->bearing_rad, bearing_rad - 0.5, 1e-6);
 }
 
-TEST_F(AimTest, RestsOnAPlaceThatIsSure) {
+TEST_F(GoalBearingTest, RestsOnAPlaceThatIsSure) {
   lead_to(bed_at({3, 2}, "bedroom"), {1.2, 2}, 0);
   (void)hear(9);
-  ASSERT_TRUE(aims());
+  ASSERT_TRUE(has_bearing());
   sigma_m_ = 0.4;
   (void)hear(0.2);
-  EXPECT_FALSE(aims()) << "well enough to be led, not to be told the direction from so near";
+  EXPECT_FALSE(has_bearing()) << "well enough to be led, not to be told the direction from so near";
   sigma_m_ = 0.02;
   (void)hear(0.2);
-  EXPECT_TRUE(aims());
+  EXPECT_TRUE(has_bearing());
   is_seen_ = false;
   (void)hear(0.2);
-  EXPECT_FALSE(aims());
+  EXPECT_FALSE(has_bearing());
 }
 
-TEST_F(AimTest, IsAtNothingThatMayHaveGone) {
+TEST_F(GoalBearingTest, IsAtNothingThatMayHaveGone) {
   Goal bed = bed_at({3, 2}, "bedroom");
   bed.is_sure = false;
   lead_to(bed, {1.2, 2}, 0);
   (void)hear(9);
-  EXPECT_FALSE(aims());
+  EXPECT_FALSE(has_bearing());
 }
 
-TEST_F(AimTest, IsAtNoPlaceThatOneStandsOn) {
+TEST_F(GoalBearingTest, IsAtNoPlaceThatOneStandsOn) {
   Goal spot = bed_at({3, 2}, "bedroom");
   spot.kind = Goal::Kind::kSpot;
   lead_to(spot, {1.2, 2}, 0);
   (void)hear(9);
-  EXPECT_FALSE(aims());
+  EXPECT_FALSE(has_bearing());
 }
 
-TEST_F(AimTest, WaitsWhileSomethingElseIsToBeDone) {
+TEST_F(GoalBearingTest, WaitsWhileSomethingElseIsToBeDone) {
   lead_to(bed_at({3, 2}, "bedroom"), {1.2, 2}, 0);
   (void)hear(9);
-  ASSERT_TRUE(aims());
+  ASSERT_TRUE(has_bearing());
   (void)ask(GuidanceRequest::kPause);
   (void)hear(0.2);
-  EXPECT_FALSE(aims());
+  EXPECT_FALSE(has_bearing());
   (void)ask(GuidanceRequest::kResume);
   (void)hear(5);
-  ASSERT_TRUE(aims());
+  ASSERT_TRUE(has_bearing());
   (void)hear(0.4, 0.5);
   obstacle_m_ = 0.4;
   (void)hear(0.4, 0.5);
   EXPECT_EQ(guidance_->state(), State::kStopped);
-  EXPECT_FALSE(aims());
+  EXPECT_FALSE(has_bearing());
 }
 
 // A shelf, at whose side the way ends: straight at the thing they would walk into its corner.
-TEST_F(AimTest, LeadsNobodyIntoWhatStandsBesideTheWay) {
+TEST_F(GoalBearingTest, LeadsNobodyIntoWhatStandsBesideTheWay) {
   grid_ = testing::two_rooms().fill({13, 23}, {39, 39}, FloorCell::kOccupied).grid();
   Goal jar = bed_at({2, 2.9}, "bedroom");
   jar.outline->size_m = {0.2, 0.2};
   lead_to(jar, {0.9, 2}, 0);
   (void)hear(9);
   EXPECT_EQ(guidance_->state(), State::kWalking);
-  EXPECT_FALSE(aims());
+  EXPECT_FALSE(has_bearing());
   (void)hear(1, 0.7);
-  ASSERT_TRUE(aims());
-  EXPECT_GT(guidance_->aim()->bearing_rad, kPi / 4);
+  ASSERT_TRUE(has_bearing());
+  EXPECT_GT(guidance_->goal_bearing()->bearing_rad, kPi / 4);
 }
 
 TEST_F(GuidanceTest, WhoLooksOnSeesHowItGoesAndWhatIsLeft) {

@@ -676,7 +676,7 @@ bool Device::work() {
 
 void Device::call_out(const FrameResult& result, Clock::time_point came) {
   std::vector<guide::Prompt> prompts;
-  std::optional<service::Aim> aim;
+  std::optional<service::GoalBearing> bearing;
   {
     const std::scoped_lock lock(mutex_);
     const auto view = host_.view_for(who_);
@@ -686,7 +686,7 @@ void Device::call_out(const FrameResult& result, Clock::time_point came) {
     std::vector<guide::Prompt> of_guide;
     if (led_) {
       of_guide = led_->after(result, view);
-      aim = led_->aim(result.t_ms);
+      bearing = led_->goal_bearing(result.t_ms);
     }
     const bool tells_obstacles = !led_ || !led_->judges_obstacles();
     prompts = announcer_.after({*view, &result, settings_, result.t_ms}, tells_obstacles);
@@ -703,7 +703,7 @@ void Device::call_out(const FrameResult& result, Clock::time_point came) {
     std::ranges::move(of_guide, std::back_inserter(prompts));
   }
   say(prompts, {}, result.t_ms);
-  if (aim) send(*aim);
+  if (bearing) send(*bearing);
   show_walk(false);
 }
 

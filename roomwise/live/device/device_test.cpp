@@ -747,7 +747,7 @@ class DeviceWithPlacesTest : public DeviceTest {
     return walk.next().value().value().color;
   }
   struct Told {
-    std::optional<service::Aim> aim;
+    std::optional<service::GoalBearing> bearing;
     std::optional<service::Seen> seen;
   };
   Told look_at(const image::ColorImage& color, double t_ms) {
@@ -758,9 +758,9 @@ class DeviceWithPlacesTest : public DeviceTest {
     Told told;
     for (const std::string& text : std::exchange(wire->texts, {})) {
       const auto message = service::read_home_message(text).value();
-      if (const auto* aim = std::get_if<service::Aim>(&message)) {
+      if (const auto* bearing = std::get_if<service::GoalBearing>(&message)) {
         EXPECT_FALSE(told.seen) << "what was seen comes last";
-        told.aim = *aim;
+        told.bearing = *bearing;
       }
       if (const auto* seen = std::get_if<service::Seen>(&message)) told.seen = *seen;
     }
@@ -773,7 +773,7 @@ class DeviceWithPlacesTest : public DeviceTest {
 TEST_F(DeviceWithPlacesTest, WhoIsLedAndCloseToItIsToldWhereTheGoalIsWithEachPictureThatHasAPlace) {
   const Told first = look_at(picture(), 1000);
   ASSERT_TRUE(first.seen && first.seen->position);
-  EXPECT_FALSE(first.aim) << "nobody is led";
+  EXPECT_FALSE(first.bearing) << "nobody is led";
   const service::SeenPosition& here = *first.seen->position;
   const double heading_rad = here.heading_degrees * guide::kDegree_rad;
   guide::KnownThing mug;
@@ -786,14 +786,14 @@ TEST_F(DeviceWithPlacesTest, WhoIsLedAndCloseToItIsToldWhereTheGoalIsWithEachPic
   ask(1, 1100, service::Question::kTakeMeTo, "mug");
   double t_ms = 1200;
   Told told;
-  for (; !told.aim && t_ms < 20'000; t_ms += 400) told = look_at(picture(), t_ms);
-  ASSERT_TRUE(told.aim);
-  EXPECT_EQ(told.aim->t_ms, t_ms - 400);
-  EXPECT_NEAR(told.aim->distance_m, 1.15, 0.05);
-  EXPECT_NEAR(told.aim->bearing_degrees, 0, 5);
+  for (; !told.bearing && t_ms < 20'000; t_ms += 400) told = look_at(picture(), t_ms);
+  ASSERT_TRUE(told.bearing);
+  EXPECT_EQ(told.bearing->t_ms, t_ms - 400);
+  EXPECT_NEAR(told.bearing->distance_m, 1.15, 0.05);
+  EXPECT_NEAR(told.bearing->bearing_degrees, 0, 5);
   told = look_at(image::ColorImage(picture().width(), picture().height()), t_ms);
   ASSERT_TRUE(told.seen && !told.seen->position);
-  EXPECT_FALSE(told.aim);
+  EXPECT_FALSE(told.bearing);
 }
 
 TEST_F(DeviceWithPlacesTest, HelpersSeeWhereSomebodyIsOnlyWhereThatPersonSaysSo) {

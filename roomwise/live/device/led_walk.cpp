@@ -160,12 +160,12 @@ std::vector<guide::Prompt> LedWalk::after(const FrameResult& result,
   return {*std::move(prompt)};
 }
 
-std::optional<service::Aim> LedWalk::aim(double taken_t_ms) const {
+std::optional<service::GoalBearing> LedWalk::goal_bearing(double taken_t_ms) const {
   constexpr double kValid_ms = 1000;  // who turns has turned away by then
-  const auto aim = guidance_->aim();
-  if (!aim) return std::nullopt;
-  return service::Aim{taken_t_ms, aim->bearing_rad / guide::kDegree_rad, aim->distance_m,
-                      taken_t_ms + kValid_ms};
+  const auto bearing = guidance_->goal_bearing();
+  if (!bearing) return std::nullopt;
+  return service::GoalBearing{taken_t_ms, bearing->bearing_rad / guide::kDegree_rad,
+                              bearing->distance_m, taken_t_ms + kValid_ms};
 }
 
 service::WatchedWalk LedWalk::watched() const {

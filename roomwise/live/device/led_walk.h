@@ -29,7 +29,7 @@ class LedWalk {
   [[nodiscard]] guide::Plan plan_from(const Situation& situation) const;
   [[nodiscard]] bool is_over() const { return guidance_->is_over(); }
   // By the picture that was looked at last, of that time (guide::Guidance).
-  [[nodiscard]] std::optional<service::Aim> aim(double taken_t_ms) const;
+  [[nodiscard]] std::optional<service::GoalBearing> goal_bearing(double taken_t_ms) const;
   // But for who is led and what was said.
   [[nodiscard]] service::WatchedWalk watched() const;
   // Of what is in the way (guide::Guidance).

@@ -100,26 +100,26 @@ TEST_F(LedWalkTest, NearTheGoalItTellsWhereItIsByTheNewestPicture) {
   const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
   (void)led->begin(at(first));
   (void)walk(*led, 6, 0);
-  EXPECT_FALSE(led->aim(t_ms)) << "3.75 m away";
+  EXPECT_FALSE(led->goal_bearing(t_ms)) << "3.75 m away";
   (void)walk(*led, 5, 0.5);
-  const auto aim = led->aim(t_ms);
-  ASSERT_TRUE(aim);
-  EXPECT_EQ(aim->t_ms, t_ms);
-  EXPECT_EQ(aim->valid_until_t_ms, t_ms + 1000);
-  EXPECT_NEAR(aim->distance_m, 3.75 - x_m, 0.05);
-  EXPECT_NEAR(aim->bearing_degrees, 0, 5);
+  const auto bearing = led->goal_bearing(t_ms);
+  ASSERT_TRUE(bearing);
+  EXPECT_EQ(bearing->t_ms, t_ms);
+  EXPECT_EQ(bearing->valid_until_t_ms, t_ms + 1000);
+  EXPECT_NEAR(bearing->distance_m, 3.75 - x_m, 0.05);
+  EXPECT_NEAR(bearing->bearing_degrees, 0, 5);
   FrameResult unsure = picture_at({x_m, 0}, t_ms + 200);
   unsure.place->sigma_m = 0.4;
   (void)led->after(unsure, home);
-  EXPECT_FALSE(led->aim(t_ms));
+  EXPECT_FALSE(led->goal_bearing(t_ms));
   FrameResult blind = picture_at({x_m, 0}, t_ms + 400);
   blind.place.reset();
   (void)led->after(blind, home);
-  EXPECT_FALSE(led->aim(t_ms));
+  EXPECT_FALSE(led->goal_bearing(t_ms));
   t_ms += 400;
   (void)walk(*led, 5, 0.5);
   EXPECT_TRUE(led->is_over());
-  EXPECT_FALSE(led->aim(t_ms));
+  EXPECT_FALSE(led->goal_bearing(t_ms));
 }
 
 TEST_F(LedWalkTest, AGoalThatWasSeenLongAgoIsProbable) {

@@ -48,12 +48,12 @@ OrderedJson to_json(const Seen& seen) {
           {"position", position}};
 }
 
-OrderedJson to_json(const Aim& aim) {
+OrderedJson to_json(const GoalBearing& bearing) {
   return {{"type", "aim"},
-          {"t", aim.t_ms},
-          {"bearing_degrees", aim.bearing_degrees},
-          {"distance_m", aim.distance_m},
-          {"valid_until_t", aim.valid_until_t_ms}};
+          {"t", bearing.t_ms},
+          {"bearing_degrees", bearing.bearing_degrees},
+          {"distance_m", bearing.distance_m},
+          {"valid_until_t", bearing.valid_until_t_ms}};
 }
 
 OrderedJson to_json(const PromptMessage& prompt) {
@@ -178,14 +178,14 @@ Expected<Seen> read_seen(const OrderedJson& json) {
   return members.finish(std::move(seen));
 }
 
-Expected<HomeMessage> read_aim(const OrderedJson& json) {
+Expected<HomeMessage> read_goal_bearing(const OrderedJson& json) {
   Members members(json);
-  Aim aim;
-  aim.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
-  aim.bearing_degrees = members.number("bearing_degrees", -180, 180);
-  aim.distance_m = members.number("distance_m", 0, 1e4);
-  aim.valid_until_t_ms = members.number("valid_until_t", -kMaxTime_ms, kMaxTime_ms);
-  return members.finish<HomeMessage>(aim);
+  GoalBearing bearing;
+  bearing.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
+  bearing.bearing_degrees = members.number("bearing_degrees", -180, 180);
+  bearing.distance_m = members.number("distance_m", 0, 1e4);
+  bearing.valid_until_t_ms = members.number("valid_until_t", -kMaxTime_ms, kMaxTime_ms);
+  return members.finish<HomeMessage>(bearing);
 }
 
 Expected<HomeMessage> read_prompt(const OrderedJson& json) {
@@ -332,7 +332,7 @@ Expected<HomeMessage> read_home_message(std::string_view text) {
     ROOMWISE_TRY(Seen seen, read_seen(json));
     return HomeMessage(std::move(seen));
   }
-  if (type == "aim") return read_aim(json);
+  if (type == "aim") return read_goal_bearing(json);
   if (type == "prompt") return read_prompt(json);
   if (type == "recording") return read_recording(json);
   if (type == "job") return read_job(json);

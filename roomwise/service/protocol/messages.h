@@ -215,7 +215,7 @@ struct Seen {
 };
 
 // Where the goal is of who is led and about to touch it.
-struct Aim {
+struct GoalBearing {
   double t_ms = 0;             // of the picture that tells it
   double bearing_degrees = 0;  // from the camera's axis, positive to the left
   double distance_m = 0;
@@ -292,8 +292,8 @@ struct ErrorMessage {
 };
 
 // What a device needs to understand; the rest is for pages.
-using HomeMessage = std::variant<Welcome, FrameArrived, Seen, Aim, PromptMessage, RecordingState,
-                                 JobState, DeviceSeen, WatchedDevice, ErrorMessage>;
+using HomeMessage = std::variant<Welcome, FrameArrived, Seen, GoalBearing, PromptMessage,
+                                 RecordingState, JobState, DeviceSeen, WatchedDevice, ErrorMessage>;
 
 [[nodiscard]] std::string write(const HomeMessage& message);
 // The message `home` is read as a Welcome. Fails on types that are not known, naming them.

@@ -144,10 +144,11 @@ TEST(Messages, WhatTheComputerSaysComesBack) {
   ASSERT_TRUE(seen_back.position);
   EXPECT_EQ(seen_back.position->heading_degrees, 90);
 
-  const Aim aim_back = read_back_home<Aim>(Aim{12.5, -30, 0.75, 1012.5});
-  EXPECT_EQ(aim_back.bearing_degrees, -30);
-  EXPECT_EQ(aim_back.distance_m, 0.75);
-  EXPECT_EQ(aim_back.valid_until_t_ms, 1012.5);
+  const GoalBearing bearing_back =
+      read_back_home<GoalBearing>(GoalBearing{12.5, -30, 0.75, 1012.5});
+  EXPECT_EQ(bearing_back.bearing_degrees, -30);
+  EXPECT_EQ(bearing_back.distance_m, 0.75);
+  EXPECT_EQ(bearing_back.valid_until_t_ms, 1012.5);
 
   PromptMessage prompt;
   prompt.answer_to = 7;
@@ -211,9 +212,10 @@ TEST(Messages, AreAsTheSchemaSays) {
         write(DeviceMessage(SettingsChange{"de", Distances::kSteps, 0.6, true, true})),
         write(DeviceMessage(Watch{true})), write(DeviceMessage(Quiet{true})),
         write(HomeMessage(Welcome{})), write_home_changed(Welcome{}),
-        write(HomeMessage(FrameArrived{})), write(HomeMessage(seen)), write(HomeMessage(Aim{})),
-        write(HomeMessage(prompt)), write(HomeMessage(RecordingState{})),
-        write(HomeMessage(JobState{})), write(HomeMessage(DeviceSeen{3, "a", true, seen})),
+        write(HomeMessage(FrameArrived{})), write(HomeMessage(seen)),
+        write(HomeMessage(GoalBearing{})), write(HomeMessage(prompt)),
+        write(HomeMessage(RecordingState{})), write(HomeMessage(JobState{})),
+        write(HomeMessage(DeviceSeen{3, "a", true, seen})),
         write(HomeMessage(WatchedDevice{3, "a", 1, true, watched_walk()})),
         write(HomeMessage(ErrorMessage{}))}) {
     const auto message = nlohmann::json::parse(written);
