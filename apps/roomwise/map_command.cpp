@@ -68,7 +68,7 @@ Expected<pipeline::MapSettings> new_settings(const MapOptions& options) {
   ROOMWISE_TRY(settings.features, features::parse_feature_kind(options.features));
   ROOMWISE_TRY(settings.mapper.method, mapping::parse_mapping_method(options.method));
   settings.bundle_adjustment = !options.no_bundle_adjustment;
-  settings.refinement.holds_upright = !options.no_upright;
+  settings.refinement.uses_gravity = !options.no_upright;
   settings.keyframe_culling = !options.no_keyframe_culling;
   settings.mapper.device_motion = !options.no_device_motion;
   settings.mapper.loops = mapping::MapperOptions::of(settings.mapper.method).loops;

@@ -69,7 +69,7 @@ Expected<Answer> optimize_home(const OptimizeOptions& options, Context& context)
     return fail("{}: has no map to optimise; make one with: roomwise map", options.home.string());
   }
   settings->solver.graph = options.graph;
-  if (options.no_upright) settings->refinement.holds_upright = false;
+  if (options.no_upright) settings->refinement.uses_gravity = false;
   ROOMWISE_TRY(const mapping::PoseGraph before,
                pipeline::stored_pose_graph(home, settings->solver));
   const double error_before = mapping::pose_graph_error(before);
@@ -103,7 +103,7 @@ Expected<Answer> optimize_home(const OptimizeOptions& options, Context& context)
     answer.json["landmark_rms_px"] = solved.refinement->rms_px;
     answer.json["readout_s"] = readout_json(solved.refinement->readout_s);
   }
-  answer.json["upright"] = solved.refinement.has_value() && settings->refinement.holds_upright;
+  answer.json["upright"] = solved.refinement.has_value() && settings->refinement.uses_gravity;
   answer.json["rejected_loops"] = solution.rejected_edges;
   answer.json["objects"] = objects.by_rules;
   answer.json["instances"] = objects.instances;

@@ -122,7 +122,7 @@ class Refiner {
     for (std::uint32_t i = 0; i < inputs.walks.size(); ++i) {
       const bool is_last = i + 1 == inputs.walks.size();
       walk_of_.resize(is_last ? poses_.size() : inputs.walks[i + 1].first_keyframe, i);
-      if (options.holds_upright) add_gravity(inputs.walks[i].frames);
+      if (options.uses_gravity) add_gravity(inputs.walks[i].frames);
     }
   }
 
@@ -258,8 +258,7 @@ class Refiner {
     std::ranges::merge(window.own, window.around, std::back_inserter(seen));
     ROOMWISE_TRY(const std::vector<KeyframeFeatures> features, features_of(seen));
     bundle.landmarks = landmarks_of(window, places, seen, features);
-    if (options_.holds_upright)
-      grounds_.measure(seen, window.own, features, poses_, turning_rad_s_);
+    if (options_.uses_gravity) grounds_.measure(seen, window.own, features, poses_, turning_rad_s_);
 
     AdjustedWindow adjusted;
     const auto go_on = [&] {

@@ -20,8 +20,8 @@ struct RefinementOptions {
   motion::ResidualModel residuals;
   double max_sigmas = 6;  // a view further from its landmark is culled
   int rounds = 2;         // of adjusting and culling
-  // Level surfaces and walls hold the key-frames upright.
-  bool holds_upright = true;
+  // Level surfaces and walls tell where up is, which holds the roll and pitch of key-frames.
+  bool uses_gravity = true;
   UpMeasurementOptions up;
   // A map of more is adjusted in windows (refinement_windows.h) of a third as many, with as many
   // around them held: what features, landmarks and equations take in memory is bounded by it, about

@@ -206,7 +206,7 @@ TEST(RefineMap, FloorsAndWallsHoldItUpright) {
   const Map map = bent_map();
   EXPECT_GT(worst_tilt_rad(map, map.solution().world_from_keyframe), 0.08);
   RefinementOptions without;
-  without.holds_upright = false;
+  without.uses_gravity = false;
   RefinementOptions windows = small_windows();
   const auto upright = map.refined();
   const auto in_windows = map.refined(windows);

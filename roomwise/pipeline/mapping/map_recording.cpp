@@ -157,7 +157,7 @@ Expected<mapping::FindFeatures> landmark_features(const home::Home& home, mappin
       ROOMWISE_TRY(const auto measurements, mapper.measurements(id));
       features.push_back(mapping::keyframe_features(*measurements, cameras.at(recording_of[id]),
                                                     settings.refinement.landmarks,
-                                                    settings.refinement.holds_upright));
+                                                    settings.refinement.uses_gravity));
     }
     return features;
   };

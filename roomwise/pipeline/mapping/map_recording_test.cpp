@@ -179,7 +179,7 @@ TEST_F(MapRecording, WhereNothingIsHeldUprightNoNormalsAreWorkedOut) {
   StageClock clock;
   RunContext run{pool, silent_, clock};
   for (const bool upright : {true, false}) {
-    settings_.refinement.holds_upright = upright;
+    settings_.refinement.uses_gravity = upright;
     const auto features = stored_keyframe_features(home, settings_, run);
     ASSERT_OK(features);
     const auto found = (*features)(std::vector<home::KeyframeId>{0});
@@ -906,9 +906,9 @@ TEST(MapSettings, SurviveTheHome) {
   EXPECT_TRUE(again->bundle_adjustment);
   settings.mapper.device_motion = false;
   EXPECT_FALSE(map_settings_from_json(to_json(settings))->mapper.device_motion);
-  EXPECT_TRUE(again->refinement.holds_upright);
-  settings.refinement.holds_upright = false;
-  EXPECT_FALSE(map_settings_from_json(to_json(settings))->refinement.holds_upright);
+  EXPECT_TRUE(again->refinement.uses_gravity);
+  settings.refinement.uses_gravity = false;
+  EXPECT_FALSE(map_settings_from_json(to_json(settings))->refinement.uses_gravity);
   settings.bundle_adjustment = false;
   EXPECT_FALSE(map_settings_from_json(to_json(settings))->bundle_adjustment);
   EXPECT_ERROR(map_settings_from_json("{}"), "cannot be read");

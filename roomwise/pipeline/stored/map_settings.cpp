@@ -34,7 +34,7 @@ std::string to_json(const MapSettings& settings) {
       {"keyframe_reuse", settings.mapper.reuse.max_motion_ratio},
       {"keyframe_reuse_age", settings.mapper.reuse.min_age},
       {"bundle_adjustment", settings.adjusts_bundle()},
-      {"upright", settings.refinement.holds_upright},
+      {"upright", settings.refinement.uses_gravity},
       {"device_motion", settings.mapper.device_motion},
       {"keyframe_culling", settings.culls_keyframes()},
       {"object_score", settings.objects.min_score},
@@ -63,7 +63,7 @@ Expected<MapSettings> map_settings_from_json(std::string_view json) {
     values.at("device_motion").get_to(settings.mapper.device_motion);
     values.at("object_score").get_to(settings.objects.min_score);
     // Homes of before say nothing of these.
-    settings.refinement.holds_upright = values.value("upright", settings.refinement.holds_upright);
+    settings.refinement.uses_gravity = values.value("upright", settings.refinement.uses_gravity);
     settings.keyframe_culling = values.value("keyframe_culling", settings.culls_keyframes());
     values.at("seed").get_to(settings.mapper.seed);
   } catch (const nlohmann::json::exception& error) {

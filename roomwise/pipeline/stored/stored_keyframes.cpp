@@ -58,7 +58,7 @@ Expected<mapping::FindFeatures> stored_keyframe_features(const home::Home& home,
     const auto measure = [&](const home::Keyframe& keyframe, const DecodedImages& images) {
       const geometry::PinholeCamera& camera = cameras.at(keyframe.recording);
       // Views are for what tells which way is up.
-      if (settings.refinement.holds_upright) {
+      if (settings.refinement.uses_gravity) {
         return mapping::keyframe_features(
             measure_frame(images.color, images.depth, camera, *extractor, settings), camera,
             settings.refinement.landmarks);
