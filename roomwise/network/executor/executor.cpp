@@ -122,8 +122,9 @@ class Executor::Implementation {
     }
     ROOMWISE_TRY(const SharedPlanPointer shared, plan_for(shapes));
     auto run = shared->take();
-    std::vector<std::vector<float>> results = run->run(values);
+    auto ran = run->run(values);
     shared->put_back(std::move(run));
+    ROOMWISE_TRY(std::vector<std::vector<float>> results, std::move(ran));
     std::vector<Tensor> outputs;
     for (std::size_t i = 0; i < results.size(); ++i)
       outputs.push_back({shared->plan->output_shapes[i], std::move(results[i])});

@@ -13,7 +13,7 @@
 
 namespace roomwise::network {
 
-// Numbers in a shape, row by row.
+// Numbers in a shape, row by row; whole numbers too (exact up to 2^24).
 struct Tensor {
   Shape shape;
   std::vector<float> values;

@@ -1,6 +1,7 @@
 #include "roomwise/network/executor/plain_kernels.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "roomwise/network/graph/constant_math.h"
@@ -89,7 +90,7 @@ Kernel gather_kernel(const AxisGather& gather, std::vector<BlockedShape> inputs,
   }
   const std::size_t block = output.block, places = output.inner;
   return [sources, output, block, places, fill = gather.fill](std::span<const float* const> from,
-                                                              float* to) {
+                                                              float* to) -> Expected<void> {
     std::vector<Run> runs;
     for (std::size_t outer = 0; outer < output.outer; ++outer) {
       for (std::size_t begin = 0; begin < output.blocks() * block; begin += block) {
@@ -119,6 +120,7 @@ Kernel gather_kernel(const AxisGather& gather, std::vector<BlockedShape> inputs,
         to += places * block;
       }
     }
+    return {};
   };
 }
 
@@ -127,7 +129,7 @@ Kernel resampling_kernel(const Resampling& resampling, const Shape& shape, std::
   const auto width = static_cast<std::size_t>(shape[3]);
   const std::size_t planes = input.outer * input.blocks();
   return [resampling, input, width, planes, block](std::span<const float* const> inputs,
-                                                   float* to) {
+                                                   float* to) -> Expected<void> {
     for (std::size_t plane = 0; plane < planes; ++plane) {
       const float* from = inputs[0] + plane * input.inner * block;
       for (const Resampling::Tap& row : resampling.rows) {
@@ -147,6 +149,7 @@ Kernel resampling_kernel(const Resampling& resampling, const Shape& shape, std::
         }
       }
     }
+    return {};
   };
 }
 
@@ -154,8 +157,9 @@ Kernel arithmetic_kernel(Arithmetic::Operator operation, const Shape& a, const S
                          const Shape& output) {
   const Shape shape = output.empty() ? Shape{1} : output;  // a single number is a row too
   const Broadcast along{shape, broadcast_strides(a, shape), broadcast_strides(b, shape)};
-  return [operation, along](std::span<const float* const> inputs, float* to) {
+  return [operation, along](std::span<const float* const> inputs, float* to) -> Expected<void> {
     apply_along(along, 0, operation, inputs[0], inputs[1], to);
+    return {};
   };
 }
 
@@ -167,12 +171,67 @@ Kernel mean_kernel(const Mean& mean, const Shape& shape) {
   }
   const std::vector<std::size_t> strides = broadcast_strides(shape, shape);
   return [starts = offsets(kept, strides), steps = offsets(averaged, strides)](
-             std::span<const float* const> inputs, float* to) {
+             std::span<const float* const> inputs, float* to) -> Expected<void> {
     for (const std::size_t start : starts) {
       double sum = 0;
       for (const std::size_t step : steps) sum += inputs[0][start + step];
       *to++ = static_cast<float>(sum / static_cast<double>(steps.size()));
     }
+    return {};
+  };
+}
+
+Kernel erf_kernel(const Shape& shape) {
+  return
+      [count = count_of(shape)](std::span<const float* const> inputs, float* to) -> Expected<void> {
+        for (std::size_t i = 0; i < count; ++i) to[i] = std::erf(inputs[0][i]);
+        return {};
+      };
+}
+
+Kernel selection_kernel(const Shape& condition, const Shape& a, const Shape& b,
+                        const Shape& output) {
+  return [of_condition = offsets(output, broadcast_strides(condition, output)),
+          of_a = offsets(output, broadcast_strides(a, output)),
+          of_b = offsets(output, broadcast_strides(b, output))](
+             std::span<const float* const> inputs, float* to) -> Expected<void> {
+    for (std::size_t i = 0; i < of_condition.size(); ++i)
+      to[i] = inputs[0][of_condition[i]] != 0 ? inputs[1][of_a[i]] : inputs[2][of_b[i]];
+    return {};
+  };
+}
+
+Kernel lookup_kernel(const Lookup& lookup, const Shape& shape, std::size_t count,
+                     const std::string& node) {
+  const BlockedShape table = BlockedShape::around(shape, lookup.axis);
+  return [table, count, node](std::span<const float* const> inputs, float* to) -> Expected<void> {
+    const auto size = static_cast<float>(table.channels);
+    for (std::size_t i = 0; i < table.outer * count; ++i) {
+      const float index = inputs[1][i % count];
+      if (!(index >= -size && index < size))
+        return fail("node \"{}\": there is no index {} among {}", node, index, table.channels);
+      const auto row = static_cast<std::size_t>(index < 0 ? index + size : index);
+      const float* from = inputs[0] + (i / count * table.channels + row) * table.inner;
+      to = std::copy(from, from + table.inner, to);
+    }
+    return {};
+  };
+}
+
+Kernel largest_index_kernel(const LargestIndex& largest, const Shape& shape) {
+  const BlockedShape around = BlockedShape::around(shape, largest.axis);
+  return [around](std::span<const float* const> inputs, float* to) -> Expected<void> {
+    for (std::size_t outer = 0; outer < around.outer; ++outer) {
+      for (std::size_t inner = 0; inner < around.inner; ++inner) {
+        const float* first = inputs[0] + outer * around.channels * around.inner + inner;
+        std::size_t best = 0;
+        for (std::size_t i = 1; i < around.channels; ++i) {
+          if (first[i * around.inner] > first[best * around.inner]) best = i;
+        }
+        *to++ = static_cast<float>(best);
+      }
+    }
+    return {};
   };
 }
 

@@ -10,8 +10,9 @@ namespace roomwise::network {
 
 // Work that oneDNN has no primitive for, or a slow one.
 
-// Reads the inputs and writes the output, all as the kernel was made to expect them.
-using Kernel = std::function<void(std::span<const float* const> inputs, float* output)>;
+// Reads the inputs and writes the output, all as the kernel was made to expect them. Fails where
+// what the inputs hold cannot be worked on.
+using Kernel = std::function<Expected<void>(std::span<const float* const> inputs, float* output)>;
 
 // Values are batch x channels x places, the channels in blocks of `block` that lie side by side at
 // each place (1: row by row); the last block is filled up with zeros.
@@ -37,5 +38,12 @@ struct BlockedShape {
 [[nodiscard]] Kernel arithmetic_kernel(Arithmetic::Operator operation, const Shape& a,
                                        const Shape& b, const Shape& output);
 [[nodiscard]] Kernel mean_kernel(const Mean& mean, const Shape& shape);
+[[nodiscard]] Kernel erf_kernel(const Shape& shape);
+[[nodiscard]] Kernel selection_kernel(const Shape& condition, const Shape& a, const Shape& b,
+                                      const Shape& output);
+// Of a table of `shape`, `count` slices. Its errors name the node.
+[[nodiscard]] Kernel lookup_kernel(const Lookup& lookup, const Shape& shape, std::size_t count,
+                                   const std::string& node);
+[[nodiscard]] Kernel largest_index_kernel(const LargestIndex& largest, const Shape& shape);
 
 }  // namespace roomwise::network

@@ -43,7 +43,8 @@ std::vector<float> PlanRun::read(const TensorView& value) const {
   return {begin, begin + value.layout.get_size() / sizeof(float)};
 }
 
-std::vector<std::vector<float>> PlanRun::run(std::span<const std::span<const float>> inputs) {
+Expected<std::vector<std::vector<float>>> PlanRun::run(
+    std::span<const std::span<const float>> inputs) {
   const ScopedOmpThreads threads(plan_->threads);
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     std::memcpy(data(plan_->inputs[i].place), inputs[i].data(), inputs[i].size_bytes());
@@ -58,8 +59,8 @@ std::vector<std::vector<float>> PlanRun::run(std::span<const std::span<const flo
     sources.clear();
     for (const PlannedOp::Operand& operand : step.operands)
       sources.push_back(data(operand.value.place));
-    step.kernel(std::span(sources).first(sources.size() - 1),
-                data(step.operands.back().value.place));
+    ROOMWISE_CHECK_OK(step.kernel(std::span(sources).first(sources.size() - 1),
+                                  data(step.operands.back().value.place)));
   }
   stream_.wait();
   std::vector<std::vector<float>> outputs;

@@ -67,8 +67,9 @@ class PlanRun {
   explicit PlanRun(std::shared_ptr<const Plan> plan);
 
   // inputs: one each, of the plan's sizes. Works on the calling thread, and on others of OpenMP
-  // where the plan is for several.
-  [[nodiscard]] std::vector<std::vector<float>> run(std::span<const std::span<const float>> inputs);
+  // where the plan is for several. Fails where a layer cannot work on what the inputs hold.
+  [[nodiscard]] Expected<std::vector<std::vector<float>>> run(
+      std::span<const std::span<const float>> inputs);
 
   [[nodiscard]] std::size_t bytes() const { return plan_->memory.bytes; }
 

@@ -73,6 +73,11 @@ class PlanBuilder {
   void plan_layer(const Layer& layer, const View& view);
   void plan_layer(const Layer& layer, const Permutation& permutation);
   void plan_layer(const Layer& layer, const Mean& mean);
+  void plan_layer(const Layer& layer, const Selection& selection);
+  void plan_layer(const Layer& layer, const Lookup& lookup);
+  void plan_layer(const Layer& layer, const LargestIndex& largest);
+  // A kernel that takes and gives values row by row.
+  void add_plain_kernel(const Layer& layer, Kernel kernel);
   void add_convolution(const Layer& layer, const ConvolutionDescription& description,
                        const dnnl::memory& weights, const std::vector<float>& bias);
   [[nodiscard]] TensorView residual_in_place(const Layer& layer, const Layout& layout);

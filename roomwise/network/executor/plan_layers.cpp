@@ -20,6 +20,14 @@ algorithm algorithm_of(Arithmetic::Operator operation) {
       return algorithm::binary_mul;
     case Arithmetic::Operator::kDivide:
       return algorithm::binary_div;
+    case Arithmetic::Operator::kMaximum:
+      return algorithm::binary_max;
+    case Arithmetic::Operator::kMinimum:
+      return algorithm::binary_min;
+    case Arithmetic::Operator::kEqual:
+      return algorithm::binary_eq;
+    case Arithmetic::Operator::kLess:
+      return algorithm::binary_lt;
   }
   return algorithm::binary_add;
 }
@@ -98,6 +106,10 @@ void PlanBuilder::plan_layer(const Layer& layer, const Pooling& pooling) {
 }
 
 void PlanBuilder::plan_layer(const Layer& layer, const Activation& activation) {
+  if (activation.function == Activation::Function::kErf) {
+    add_plain_kernel(layer, erf_kernel(shape(layer.output)));
+    return;
+  }
   const auto [function, alpha, beta] = elementwise_of(activation);
   const TensorView input = in_floats(layer.inputs[0]);
   const dnnl::eltwise_forward::primitive_desc description(
@@ -113,9 +125,7 @@ void PlanBuilder::plan_layer(const Layer& layer, const Arithmetic& arithmetic) {
   const Arithmetic::Operator operation = arithmetic.operation;
   const Shape& result = shape(layer.output);
   ValueId a = layer.inputs[0], b = layer.inputs[1];
-  const bool commutes =
-      operation == Arithmetic::Operator::kAdd || operation == Arithmetic::Operator::kMultiply;
-  if (commutes && shape(a) != result) std::swap(a, b);
+  if (arithmetic.commutes() && shape(a) != result) std::swap(a, b);
   if (shape(a) != result || result.empty()) {
     const TensorView of_a = in_layout(a, plain(shape(a))), of_b = in_layout(b, plain(shape(b)));
     const TensorView output = place_output(layer.output, plain(result));
@@ -232,10 +242,29 @@ void PlanBuilder::plan_layer(const Layer& layer, const Permutation& permutation)
 }
 
 void PlanBuilder::plan_layer(const Layer& layer, const Mean& mean) {
-  const ValueId from = layer.inputs[0];
-  const TensorView input = in_layout(from, plain(shape(from)));
-  const TensorView output = place_output(layer.output, plain(shape(layer.output)));
-  add_kernel(mean_kernel(mean, shape(from)), {input, output});
+  add_plain_kernel(layer, mean_kernel(mean, shape(layer.inputs[0])));
+}
+
+void PlanBuilder::plan_layer(const Layer& layer, const Selection&) {
+  add_plain_kernel(layer, selection_kernel(shape(layer.inputs[0]), shape(layer.inputs[1]),
+                                           shape(layer.inputs[2]), shape(layer.output)));
+}
+
+void PlanBuilder::plan_layer(const Layer& layer, const Lookup& lookup) {
+  add_plain_kernel(layer, lookup_kernel(lookup, shape(layer.inputs[0]),
+                                        count_of(shape(layer.inputs[1])), layer.node));
+}
+
+void PlanBuilder::plan_layer(const Layer& layer, const LargestIndex& largest) {
+  add_plain_kernel(layer, largest_index_kernel(largest, shape(layer.inputs[0])));
+}
+
+void PlanBuilder::add_plain_kernel(const Layer& layer, Kernel kernel) {
+  std::vector<TensorView> operands;
+  for (const ValueId input : layer.inputs)
+    operands.push_back(in_layout(input, plain(shape(input))));
+  operands.push_back(place_output(layer.output, plain(shape(layer.output))));
+  add_kernel(std::move(kernel), std::move(operands));
 }
 
 }  // namespace roomwise::network

@@ -23,6 +23,12 @@ Elementwise elementwise_of(const Activation& activation) {
       return {algorithm::eltwise_tanh, 0, 0};
     case Activation::Function::kExp:
       return {algorithm::eltwise_exp, 0, 0};
+    case Activation::Function::kSquareRoot:
+      return {algorithm::eltwise_sqrt, 0, 0};
+    case Activation::Function::kPower:
+      return {algorithm::eltwise_pow, 1, alpha};
+    case Activation::Function::kErf:
+      break;  // has a kernel of its own
     case Activation::Function::kLinear:
       return {algorithm::eltwise_linear, alpha, beta};
     case Activation::Function::kSwish:

@@ -35,7 +35,7 @@ std::vector<float> weight_steps(const Convolution& convolution, int most) {
 // Joins along the channels, which lie side by side at each place; sizes in bytes.
 Kernel byte_join_kernel(std::vector<std::size_t> channels, std::size_t places) {
   return [channels = std::move(channels), places](std::span<const float* const> sources,
-                                                  float* target) {
+                                                  float* target) -> Expected<void> {
     std::size_t all = 0;
     for (const std::size_t count : channels) all += count;
     auto* to = reinterpret_cast<std::uint8_t*>(target);
@@ -45,6 +45,7 @@ Kernel byte_join_kernel(std::vector<std::size_t> channels, std::size_t places) {
         std::memcpy(to + place * all, from + place * channels[i], channels[i]);
       to += channels[i];
     }
+    return {};
   };
 }
 

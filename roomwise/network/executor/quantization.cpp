@@ -117,7 +117,7 @@ Expected<std::vector<ActivationRange>> calibrate_ranges(const Program& program,
                   shape_text(program.values[program.inputs.front()].shape));
     }
     const std::span<const float> values = input.values;
-    const auto outputs = run.run({&values, 1});
+    ROOMWISE_TRY(const auto outputs, run.run({&values, 1}));
     for (std::size_t i = 0; i < outputs.size(); ++i) {
       ActivationRange& range = ranges[watched.outputs[i]];
       const auto [least, most] = std::ranges::minmax(outputs[i]);

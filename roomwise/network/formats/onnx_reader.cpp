@@ -198,12 +198,20 @@ Expected<void> visit_inner(Span message, std::span<const std::uint64_t> path,
 
 Expected<GraphInput> read_value_info(Span message) {
   // ValueInfoProto.type.tensor_type.shape.dim
+  constexpr std::uint64_t kTensor[] = {2, 1};
   constexpr std::uint64_t kDimension[] = {2, 1, 2, 1};
   GraphInput input;
   ROOMWISE_TRY(const auto fields, fields_of(message));
   for (const Field& field : fields) {
     if (field.number == 1) input.name = field.text();
   }
+  ROOMWISE_CHECK_OK(visit_inner(message, kTensor, [&](Span tensor) -> Expected<void> {
+    ROOMWISE_TRY(const auto of_tensor, fields_of(tensor));
+    for (const Field& field : of_tensor) {
+      if (field.number == 1) input.is_integer = is_integer(static_cast<NumberFormat>(field.value));
+    }
+    return {};
+  }));
   ROOMWISE_CHECK_OK(visit_inner(message, kDimension, [&](Span dimension) -> Expected<void> {
     ROOMWISE_TRY(const auto sizes, fields_of(dimension));
     input.shape.push_back(GraphInput::kDynamic);

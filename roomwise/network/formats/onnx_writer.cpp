@@ -67,15 +67,16 @@ ProtobufWriter node_message(const Node& node) {
   return message;
 }
 
-// ValueInfoProto of floats; no shape: not stated.
-ProtobufWriter value_message(const std::string& name, const Shape& shape) {
+// ValueInfoProto; no shape: not stated.
+ProtobufWriter value_message(const std::string& name, const Shape& shape, bool is_integer) {
   ProtobufWriter dimensions, tensor, type, message;
   for (const std::int64_t size : shape) {
     ProtobufWriter dimension;
     if (size != GraphInput::kDynamic) dimension.add(1, size);
     dimensions.add(1, dimension.bytes());
   }
-  tensor.add(1, static_cast<std::int64_t>(NumberFormat::kFloat));
+  tensor.add(
+      1, static_cast<std::int64_t>(is_integer ? NumberFormat::kInteger64 : NumberFormat::kFloat));
   if (!shape.empty()) tensor.add(2, dimensions.bytes());
   type.add(1, tensor.bytes());
   message.add(1, name);
@@ -119,11 +120,11 @@ Expected<Bytes> write_onnx_graph(const OnnxGraph& graph) {
   for (const auto& [name, constant] : graph.constants)
     message.add(5, tensor_message(name, *constant).bytes());
   for (const GraphInput& input : graph.inputs)
-    message.add(11, value_message(input.name, input.shape).bytes());
+    message.add(11, value_message(input.name, input.shape, input.is_integer).bytes());
   for (const std::string& output : graph.outputs) {
     const auto stated = graph.output_shapes.find(output);
     const Shape shape = stated == graph.output_shapes.end() ? Shape{} : stated->second;
-    message.add(12, value_message(output, shape).bytes());
+    message.add(12, value_message(output, shape, false).bytes());
   }
 
   ProtobufWriter opset, model;

@@ -43,6 +43,14 @@ std::int64_t apply(Arithmetic::Operator operation, std::int64_t a, std::int64_t 
       return static_cast<std::int64_t>(x * y);
     case Arithmetic::Operator::kDivide:
       return b == -1 ? static_cast<std::int64_t>(0 - x) : a / b;
+    case Arithmetic::Operator::kMaximum:
+      return std::max(a, b);
+    case Arithmetic::Operator::kMinimum:
+      return std::min(a, b);
+    case Arithmetic::Operator::kEqual:
+      return a == b ? 1 : 0;
+    case Arithmetic::Operator::kLess:
+      return a < b ? 1 : 0;
   }
   return 0;
 }
@@ -135,14 +143,37 @@ Expected<Constant> compute(Arithmetic::Operator operation, const Constant& a, co
   ROOMWISE_TRY(result.shape, broadcast(a.shape, b.shape));
   const auto of_a = offsets(result.shape, broadcast_strides(a.shape, result.shape));
   const auto of_b = offsets(result.shape, broadcast_strides(b.shape, result.shape));
-  result.is_integer = a.is_integer;
+  result.is_integer = a.is_integer || Arithmetic{operation}.compares();
   for (std::size_t i = 0; i < of_a.size(); ++i) {
     if (a.is_integer) {
       result.integers.push_back(apply(operation, a.integers[of_a[i]], b.integers[of_b[i]]));
+      continue;
+    }
+    const float computed = apply(operation, a.floats[of_a[i]], b.floats[of_b[i]]);
+    if (result.is_integer) {
+      result.integers.push_back(static_cast<std::int64_t>(computed));
     } else {
-      result.floats.push_back(apply(operation, a.floats[of_a[i]], b.floats[of_b[i]]));
+      result.floats.push_back(computed);
     }
   }
+  return result;
+}
+
+Expected<Constant> select(const Constant& condition, const Constant& a, const Constant& b) {
+  if (a.is_integer != b.is_integer) return fail("mixes whole and floating-point numbers");
+  Constant result;
+  ROOMWISE_TRY(const Shape of_both, broadcast(a.shape, b.shape));
+  ROOMWISE_TRY(result.shape, broadcast(condition.shape, of_both));
+  const auto chosen = offsets(result.shape, broadcast_strides(condition.shape, result.shape));
+  const auto of_a = offsets(result.shape, broadcast_strides(a.shape, result.shape));
+  const auto of_b = offsets(result.shape, broadcast_strides(b.shape, result.shape));
+  const auto take = [&](const auto& from_a, const auto& from_b, auto& to) {
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+      to.push_back(condition.integers[chosen[i]] != 0 ? from_a[of_a[i]] : from_b[of_b[i]]);
+  };
+  result.is_integer = a.is_integer;
+  if (a.is_integer) take(a.integers, b.integers, result.integers);
+  if (!a.is_integer) take(a.floats, b.floats, result.floats);
   return result;
 }
 

@@ -14,9 +14,13 @@ namespace roomwise::network {
 // One after the other along an axis; all of one type and alike in the other sizes.
 [[nodiscard]] Constant join(std::span<const ConstantPointer> parts, std::size_t axis);
 [[nodiscard]] Constant permute(const Constant& constant, std::span<const std::size_t> axes);
-// Of two constants of one type that broadcast. Fails on whole numbers divided by zero.
+// Of two constants of one type that broadcast; comparisons give whole numbers. Fails on whole
+// numbers divided by zero.
 [[nodiscard]] Expected<Constant> compute(Arithmetic::Operator operation, const Constant& a,
                                          const Constant& b);
+// `a` where the condition (whole numbers) is not 0, else `b`; all broadcast.
+[[nodiscard]] Expected<Constant> select(const Constant& condition, const Constant& a,
+                                        const Constant& b);
 
 inline float apply(Arithmetic::Operator operation, float a, float b) {
   switch (operation) {
@@ -28,6 +32,14 @@ inline float apply(Arithmetic::Operator operation, float a, float b) {
       return a * b;
     case Arithmetic::Operator::kDivide:
       return a / b;
+    case Arithmetic::Operator::kMaximum:
+      return a < b ? b : a;
+    case Arithmetic::Operator::kMinimum:
+      return b < a ? b : a;
+    case Arithmetic::Operator::kEqual:
+      return a == b ? 1.F : 0.F;
+    case Arithmetic::Operator::kLess:
+      return a < b ? 1.F : 0.F;
   }
   return 0;
 }

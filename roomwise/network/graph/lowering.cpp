@@ -40,17 +40,55 @@ Expected<std::vector<float>> Lowering::floats_input(const Node& node, std::size_
   return values->floats;
 }
 
+// Whether a layer gives whole numbers. Fails where it takes none but gets some, or gets both kinds.
+Expected<bool> Lowering::gives_integers(const decltype(Layer::operation)& operation,
+                                        std::span<const ValueId> inputs) const {
+  const auto integers = [&](ValueId value) { return is_integer(value); };
+  if (std::holds_alternative<LargestIndex>(operation)) return true;
+  // A condition and indices are whole numbers beside others.
+  if (std::holds_alternative<Lookup>(operation)) inputs = inputs.first(1);
+  if (std::holds_alternative<Selection>(operation)) inputs = inputs.subspan(1);
+  if (std::ranges::none_of(inputs, integers)) {
+    const auto* arithmetic = std::get_if<Arithmetic>(&operation);
+    return arithmetic != nullptr && arithmetic->compares();
+  }
+  const auto* arithmetic = std::get_if<Arithmetic>(&operation);
+  if (arithmetic != nullptr && arithmetic->operation == Arithmetic::Operator::kDivide)
+    return fail("divides whole numbers that depend on the input");
+  const bool may_be_whole =
+      arithmetic != nullptr || std::holds_alternative<AxisGather>(operation) ||
+      std::holds_alternative<View>(operation) || std::holds_alternative<Permutation>(operation) ||
+      std::holds_alternative<Lookup>(operation) || std::holds_alternative<Selection>(operation);
+  if (!may_be_whole || !std::ranges::all_of(inputs, integers))
+    return fail("works on whole numbers, which only shapes and indices may be");
+  return true;
+}
+
+// Whole numbers that are known beforehand as layers take them.
+Expected<ValueId> Lowering::in_floats(ValueId value) {
+  const ConstantPointer known = constant(value);
+  if (known == nullptr || !known->is_integer) return value;
+  constexpr std::int64_t kMax = std::int64_t{1} << 24;
+  Constant floats;
+  floats.shape = known->shape;
+  for (const std::int64_t number : known->integers) {
+    if (number < -kMax || number > kMax)
+      return fail("the whole number {} is too large to be held exactly", number);
+    floats.floats.push_back(static_cast<float>(number));
+  }
+  return add_constant(std::move(floats));
+}
+
 Expected<ValueId> Lowering::add(decltype(Layer::operation) operation, std::vector<ValueId> inputs,
                                 Shape output_shape) {
   ROOMWISE_CHECK_OK(check_size(output_shape));
-  for (const ValueId input : inputs) {
-    if (constant(input) != nullptr && constant(input)->is_integer) {
-      return fail("works on whole numbers, which only shapes and indices may be");
-    }
+  ROOMWISE_TRY(const bool integers, gives_integers(operation, inputs));
+  for (ValueId& input : inputs) {
+    ROOMWISE_TRY(input, in_floats(input));
   }
   if (count_of(output_shape) == 0) return fail("gives an empty value");
   if (const auto* gather = std::get_if<AxisGather>(&operation)) written_ += gather->picks.size();
-  program_.values.push_back({std::move(output_shape), nullptr});
+  program_.values.push_back({std::move(output_shape), nullptr, integers});
   const ValueId output = program_.values.size() - 1;
   program_.layers.push_back({std::move(operation), std::move(inputs), output, node_});
   return output;
@@ -104,14 +142,53 @@ Expected<ValueId> Lowering::arithmetic(Arithmetic::Operator operation, ValueId a
     ROOMWISE_TRY(Constant computed, compute(operation, *constant(a), *constant(b)));
     return add_constant(std::move(computed));
   }
-  const auto with_rank = [&](ValueId value) {
-    Shape padded(result.size() - shape(value).size(), 1);
-    padded.insert(padded.end(), shape(value).begin(), shape(value).end());
-    return reshape(value, padded);
-  };
-  ROOMWISE_TRY(a, with_rank(a));
-  ROOMWISE_TRY(b, with_rank(b));
+  ROOMWISE_TRY(a, with_rank(a, result.size()));
+  ROOMWISE_TRY(b, with_rank(b, result.size()));
   return add(Arithmetic{operation}, {a, b}, std::move(result));
+}
+
+// With axes of the size 1 in front.
+Expected<ValueId> Lowering::with_rank(ValueId value, std::size_t rank) {
+  Shape padded(rank - shape(value).size(), 1);
+  padded.insert(padded.end(), shape(value).begin(), shape(value).end());
+  return reshape(value, padded);
+}
+
+Expected<ValueId> Lowering::select(ValueId condition, ValueId a, ValueId b) {
+  if (!is_integer(condition)) return fail("its condition is no truth value");
+  if (constant(condition) != nullptr && constant(a) != nullptr && constant(b) != nullptr) {
+    ROOMWISE_TRY(Constant selected,
+                 network::select(*constant(condition), *constant(a), *constant(b)));
+    return add_constant(std::move(selected));
+  }
+  ROOMWISE_TRY(const Shape of_both, broadcast(shape(a), shape(b)));
+  ROOMWISE_TRY(Shape result, broadcast(shape(condition), of_both));
+  return add(Selection{}, {condition, a, b}, std::move(result));
+}
+
+Expected<ValueId> Lowering::expand(ValueId value, const Shape& wanted) {
+  ROOMWISE_TRY(const Shape result, broadcast(shape(value), wanted));
+  ROOMWISE_TRY(value, with_rank(value, result.size()));
+  for (std::size_t axis = 0; axis < result.size(); ++axis) {
+    if (shape(value)[axis] == result[axis]) continue;
+    const std::vector<std::size_t> repeated(static_cast<std::size_t>(result[axis]), 0);
+    ROOMWISE_TRY(value, pick(value, axis, repeated));
+  }
+  return value;
+}
+
+ValueId Lowering::add_number(float number) {
+  Constant constant;
+  constant.floats = {number};
+  return add_constant(std::move(constant));
+}
+
+Expected<ValueId> Lowering::retyped(ValueId value, bool integers) {
+  if (is_integer(value) == integers) return value;
+  program_.values.push_back({shape(value), nullptr, integers});
+  const ValueId output = program_.values.size() - 1;
+  program_.layers.push_back({View{}, {value}, output, node_});
+  return output;
 }
 
 Expected<ValueId> Lowering::mean(ValueId value, std::vector<std::size_t> axes) {
@@ -175,7 +252,7 @@ Expected<Program> Lowering::run(std::span<const Shape> input_shapes,
   }
   for (std::size_t i = 0; i < input_shapes.size(); ++i) {
     ROOMWISE_CHECK_OK(check_size(input_shapes[i]));
-    program_.values.push_back({input_shapes[i], nullptr});
+    program_.values.push_back({input_shapes[i], nullptr, graph_.inputs[i].is_integer});
     program_.inputs.push_back(program_.values.size() - 1);
     values_[graph_.inputs[i].name] = program_.inputs.back();
   }

@@ -33,6 +33,11 @@ class Lowering {
   [[nodiscard]] const ConstantPointer& constant(ValueId value) const {
     return program_.values[value].constant;
   }
+  // Whether it holds whole numbers.
+  [[nodiscard]] bool is_integer(ValueId value) const {
+    return constant(value) != nullptr ? constant(value)->is_integer
+                                      : program_.values[value].is_integer;
+  }
 
   // The node's input i. has_input(): it is there.
   [[nodiscard]] bool has_input(const Node& node, std::size_t i) const;
@@ -53,6 +58,14 @@ class Lowering {
   [[nodiscard]] Expected<ValueId> pick(ValueId value, std::size_t axis,
                                        std::span<const std::size_t> indices);
   [[nodiscard]] Expected<ValueId> arithmetic(Arithmetic::Operator operation, ValueId a, ValueId b);
+  // The first value where `condition` is not 0, else the second.
+  [[nodiscard]] Expected<ValueId> select(ValueId condition, ValueId a, ValueId b);
+  // The value repeated along axes of the size 1 until it has this shape.
+  [[nodiscard]] Expected<ValueId> expand(ValueId value, const Shape& shape);
+  // A single number.
+  [[nodiscard]] ValueId add_number(float number);
+  // What is computed, as floating-point numbers or as whole ones, which it must then be.
+  [[nodiscard]] Expected<ValueId> retyped(ValueId value, bool is_integer);
   // The mean over axes, which stay with the size 1.
   [[nodiscard]] Expected<ValueId> mean(ValueId value, std::vector<std::size_t> axes);
   [[nodiscard]] Expected<ValueId> permute(ValueId value, const std::vector<std::size_t>& axes);
@@ -61,6 +74,10 @@ class Lowering {
 
  private:
   [[nodiscard]] Expected<void> lower_node(const Node& node);
+  [[nodiscard]] Expected<bool> gives_integers(const decltype(Layer::operation)& operation,
+                                              std::span<const ValueId> inputs) const;
+  [[nodiscard]] Expected<ValueId> in_floats(ValueId value);
+  [[nodiscard]] Expected<ValueId> with_rank(ValueId value, std::size_t rank);
   [[nodiscard]] Expected<ValueId> find_output(const std::string& name) const;
 
   const OnnxGraph& graph_;

@@ -136,27 +136,100 @@ Expected<ValueId> lower_pooling(Lowering& lowering, const Node& node) {
   return lowering.add(pooling, {input}, {shape[0], shape[1], sizes[0], sizes[1]});
 }
 
-Expected<ValueId> lower_mean(Lowering& lowering, const Node& node) {
-  ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
-  const Shape shape = lowering.shape(input);
+// Without these axes, which have the size 1.
+Expected<ValueId> squeezed(Lowering& lowering, ValueId value, std::span<const std::size_t> axes) {
+  const Shape shape = lowering.shape(value);
+  Shape kept;
+  for (std::size_t axis = 0; axis < shape.size(); ++axis) {
+    if (std::ranges::find(axes, axis) == axes.end()) kept.push_back(shape[axis]);
+  }
+  return lowering.reshape(value, kept);
+}
+
+// Means, sums and lengths over some axes.
+Expected<ValueId> lower_reduction(Lowering& lowering, const Node& node) {
+  ROOMWISE_TRY(ValueId value, lowering.input(node, 0));
+  const Shape shape = lowering.shape(value);
   std::vector<std::size_t> axes;
   bool keeps = true;
   if (node.operation == "GlobalAveragePool") {
     for (std::size_t axis = 2; axis < shape.size(); ++axis) axes.push_back(axis);
   } else {
     keeps = node.integer("keepdims", 1) != 0;
-    ROOMWISE_TRY(axes, axes_of(node.integers("axes", {}), shape.size()));
-    for (std::size_t axis = 0; axis < shape.size() && node.find("axes") == nullptr; ++axis)
-      axes.push_back(axis);
-  }
-  ROOMWISE_TRY(ValueId output, lowering.mean(input, axes));
-  if (!keeps) {
-    Shape squeezed;
-    for (std::size_t axis = 0; axis < shape.size(); ++axis) {
-      if (std::ranges::find(axes, axis) == axes.end()) squeezed.push_back(shape[axis]);
+    std::vector<std::int64_t> given = node.integers("axes", {});
+    const bool by_input = lowering.has_input(node, 1);  // of a ReduceSum since opset 13
+    if (by_input) {
+      ROOMWISE_TRY(given, lowering.integers_input(node, 1));
     }
-    ROOMWISE_TRY(output, lowering.reshape(output, squeezed));
+    if (given.empty() && node.integer("noop_with_empty_axes", 0) != 0) return value;
+    ROOMWISE_TRY(axes, axes_of(given, shape.size()));
+    const bool takes_all = given.empty() && (by_input || node.find("axes") == nullptr);
+    for (std::size_t axis = 0; axis < shape.size() && takes_all; ++axis) axes.push_back(axis);
   }
+  if (node.operation == "ReduceL2") {
+    ROOMWISE_TRY(value, lowering.arithmetic(Operator::kMultiply, value, value));
+  }
+  ROOMWISE_TRY(value, lowering.mean(value, axes));
+  if (node.operation == "ReduceSum" || node.operation == "ReduceL2") {
+    double count = 1;
+    for (const std::size_t axis : axes) count *= static_cast<double>(shape[axis]);
+    const ValueId factor = lowering.add_number(static_cast<float>(count));
+    ROOMWISE_TRY(value, lowering.arithmetic(Operator::kMultiply, value, factor));
+  }
+  if (node.operation == "ReduceL2") {
+    const Shape reduced = lowering.shape(value);
+    ROOMWISE_TRY(value, lowering.add(Activation{Function::kSquareRoot, 0, 0}, {value}, reduced));
+  }
+  if (!keeps) {
+    ROOMWISE_TRY(value, squeezed(lowering, value, axes));
+  }
+  return value;
+}
+
+// The place of the largest value along an axis.
+Expected<ValueId> lower_largest_index(Lowering& lowering, const Node& node) {
+  ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
+  Shape shape = lowering.shape(input);
+  if (node.integer("select_last_index", 0) != 0)
+    return fail("the last of several largest values is not supported; the first is");
+  ROOMWISE_TRY(const std::size_t axis, axis_of(node.integer("axis", 0), shape.size()));
+  shape[axis] = 1;
+  ROOMWISE_TRY(ValueId output, lowering.add(LargestIndex{axis}, {input}, shape));
+  if (node.integer("keepdims", 1) == 0) {
+    ROOMWISE_TRY(output, squeezed(lowering, output, {&axis, 1}));
+  }
+  return output;
+}
+
+// From the axis on to the mean 0 and the variance 1, then a scale and a shift.
+Expected<ValueId> lower_layer_normalization(Lowering& lowering, const Node& node) {
+  ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
+  ROOMWISE_TRY(const ValueId scale, lowering.input(node, 1));
+  for (std::size_t i = 1; i < node.outputs.size(); ++i) {
+    if (!node.outputs[i].empty()) return fail("its mean and deviation are not supported");
+  }
+  const Shape shape = lowering.shape(input);
+  ROOMWISE_TRY(const std::size_t first, axis_of(node.integer("axis", -1), shape.size()));
+  std::vector<std::size_t> axes;
+  for (std::size_t axis = first; axis < shape.size(); ++axis) axes.push_back(axis);
+  ROOMWISE_TRY(const ValueId mean, lowering.mean(input, axes));
+  ROOMWISE_TRY(const ValueId centered, lowering.arithmetic(Operator::kSubtract, input, mean));
+  ROOMWISE_TRY(const ValueId squares, lowering.arithmetic(Operator::kMultiply, centered, centered));
+  ROOMWISE_TRY(const ValueId variance, lowering.mean(squares, axes));
+  ROOMWISE_TRY(const ValueId raised,
+               lowering.arithmetic(Operator::kAdd, variance,
+                                   lowering.add_number(node.number("epsilon", 1e-5F))));
+  const Shape reduced = lowering.shape(raised);
+  ROOMWISE_TRY(const ValueId deviation,
+               lowering.add(Activation{Function::kSquareRoot, 0, 0}, {raised}, reduced));
+  ROOMWISE_TRY(const ValueId normal, lowering.arithmetic(Operator::kDivide, centered, deviation));
+  ROOMWISE_TRY(ValueId output, lowering.arithmetic(Operator::kMultiply, normal, scale));
+  if (lowering.has_input(node, 2)) {
+    ROOMWISE_TRY(const ValueId shift, lowering.input(node, 2));
+    ROOMWISE_TRY(output, lowering.arithmetic(Operator::kAdd, output, shift));
+  }
+  if (lowering.shape(output) != shape)
+    return fail("its numbers do not fit its input {}", shape_text(shape));
   return output;
 }
 
@@ -209,6 +282,8 @@ Expected<std::vector<Activation>> activations_of(Lowering& lowering, const Node&
   if (name == "Sigmoid") return std::vector{Activation{Function::kSigmoid, 0, 0}};
   if (name == "Tanh") return std::vector{Activation{Function::kTanh, 0, 0}};
   if (name == "Exp") return std::vector{Activation{Function::kExp, 0, 0}};
+  if (name == "Sqrt") return std::vector{Activation{Function::kSquareRoot, 0, 0}};
+  if (name == "Erf") return std::vector{Activation{Function::kErf, 0, 0}};
   if (name == "HardSwish") return std::vector{Activation{Function::kHardSwish, 0, 0}};
   if (name == "HardSigmoid") {
     return std::vector{
@@ -237,6 +312,50 @@ Expected<ValueId> lower_arithmetic(Lowering& lowering, const Node& node) {
   return lowering.arithmetic(operation, a, b);
 }
 
+Expected<ValueId> lower_greater(Lowering& lowering, const Node& node) {
+  ROOMWISE_TRY(const ValueId a, lowering.input(node, 0));
+  ROOMWISE_TRY(const ValueId b, lowering.input(node, 1));
+  return lowering.arithmetic(Operator::kLess, b, a);
+}
+
+// The largest or the least of any number of inputs.
+template <Operator operation>
+Expected<ValueId> lower_extreme(Lowering& lowering, const Node& node) {
+  ROOMWISE_TRY(ValueId value, lowering.input(node, 0));
+  for (std::size_t i = 1; i < node.inputs.size(); ++i) {
+    ROOMWISE_TRY(const ValueId other, lowering.input(node, i));
+    ROOMWISE_TRY(value, lowering.arithmetic(operation, value, other));
+  }
+  return value;
+}
+
+Expected<ValueId> lower_negative(Lowering& lowering, const Node& node) {
+  ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
+  Constant minus;
+  minus.is_integer = lowering.is_integer(input);
+  if (minus.is_integer) minus.integers = {-1};
+  if (!minus.is_integer) minus.floats = {-1};
+  return lowering.arithmetic(Operator::kMultiply, input, lowering.add_constant(std::move(minus)));
+}
+
+Expected<ValueId> lower_power(Lowering& lowering, const Node& node) {
+  ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
+  ROOMWISE_TRY(const ConstantPointer exponent, lowering.constant_input(node, 1));
+  if (exponent->size() != 1) return fail("expected a single number as exponent");
+  const float power = exponent->is_integer ? static_cast<float>(exponent->integers.front())
+                                           : exponent->floats.front();
+  if (power == 2) return lowering.arithmetic(Operator::kMultiply, input, input);
+  const Shape shape = lowering.shape(input);
+  return lowering.add(Activation{Function::kPower, power, 0}, {input}, shape);
+}
+
+Expected<ValueId> lower_selection(Lowering& lowering, const Node& node) {
+  ROOMWISE_TRY(const ValueId condition, lowering.input(node, 0));
+  ROOMWISE_TRY(const ValueId a, lowering.input(node, 1));
+  ROOMWISE_TRY(const ValueId b, lowering.input(node, 2));
+  return lowering.select(condition, a, b);
+}
+
 }  // namespace
 
 const OperatorTable& layer_operators() {
@@ -244,8 +363,12 @@ const OperatorTable& layer_operators() {
       {"Conv", lower_convolution},
       {"MaxPool", lower_pooling},
       {"AveragePool", lower_pooling},
-      {"GlobalAveragePool", lower_mean},
-      {"ReduceMean", lower_mean},
+      {"GlobalAveragePool", lower_reduction},
+      {"ReduceMean", lower_reduction},
+      {"ReduceSum", lower_reduction},
+      {"ReduceL2", lower_reduction},
+      {"ArgMax", lower_largest_index},
+      {"LayerNormalization", lower_layer_normalization},
       {"BatchNormalization", lower_batch_normalization},
       {"Relu", lower_activation},
       {"LeakyRelu", lower_activation},
@@ -255,10 +378,22 @@ const OperatorTable& layer_operators() {
       {"HardSwish", lower_activation},
       {"Tanh", lower_activation},
       {"Exp", lower_activation},
+      {"Sqrt", lower_activation},
+      {"Erf", lower_activation},
+      {"Pow", lower_power},
+      {"Neg", lower_negative},
       {"Add", lower_arithmetic<Operator::kAdd>},
       {"Sub", lower_arithmetic<Operator::kSubtract>},
       {"Mul", lower_arithmetic<Operator::kMultiply>},
       {"Div", lower_arithmetic<Operator::kDivide>},
+      {"Max", lower_extreme<Operator::kMaximum>},
+      {"Min", lower_extreme<Operator::kMinimum>},
+      {"Equal", lower_arithmetic<Operator::kEqual>},
+      {"Less", lower_arithmetic<Operator::kLess>},
+      {"Greater", lower_greater},
+      {"And", lower_arithmetic<Operator::kMultiply>},  // of truth values
+      {"Or", lower_arithmetic<Operator::kMaximum>},
+      {"Where", lower_selection},
   };
   return table;
 }

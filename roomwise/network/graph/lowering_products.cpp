@@ -29,8 +29,17 @@ Expected<ValueId> scaled(Lowering& lowering, ValueId value, float factor) {
 
 Expected<ValueId> product(Lowering& lowering, ValueId a, ValueId b, std::vector<float> bias) {
   Shape rows = lowering.shape(a);
-  const Shape& columns = lowering.shape(b);
+  const Shape columns = lowering.shape(b);
   const std::size_t rank = rows.size();
+  if (rank > 2 && columns.size() == 2) {
+    // One product of all rows.
+    Shape flat{1, rows.back()};
+    for (std::size_t i = 0; i + 1 < rank; ++i) flat[0] *= rows[i];
+    ROOMWISE_TRY(a, lowering.reshape(a, flat));
+    ROOMWISE_TRY(const ValueId output, product(lowering, a, b, std::move(bias)));
+    rows.back() = columns.back();
+    return lowering.reshape(output, rows);
+  }
   if (rank < 2 || columns.size() < 2 || columns.size() > rank ||
       rows[rank - 1] != columns[columns.size() - 2]) {
     return fail("cannot multiply {} by {}", shape_text(rows), shape_text(columns));

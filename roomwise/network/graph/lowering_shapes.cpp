@@ -24,10 +24,16 @@ Expected<std::vector<std::int64_t>> integers_of(const Lowering& lowering, const 
 
 Expected<ValueId> lower_gather(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
-  ROOMWISE_TRY(const ConstantPointer indices, lowering.constant_input(node, 1));
-  if (!indices->is_integer) return fail("its indices are no whole numbers");
-  const Shape shape = lowering.shape(input);
+  ROOMWISE_TRY(const ValueId places, lowering.input(node, 1));
+  if (!lowering.is_integer(places)) return fail("its indices are no whole numbers");
+  const Shape shape = lowering.shape(input), of_places = lowering.shape(places);
   ROOMWISE_TRY(const std::size_t axis, axis_of(node.integer("axis", 0), shape.size()));
+  const auto at = static_cast<std::ptrdiff_t>(axis);
+  Shape result(shape.begin(), shape.begin() + at);
+  result.insert(result.end(), of_places.begin(), of_places.end());
+  result.insert(result.end(), shape.begin() + at + 1, shape.end());
+  const ConstantPointer indices = lowering.constant(places);
+  if (indices == nullptr) return lowering.add(Lookup{axis}, {input, places}, std::move(result));
   std::vector<std::size_t> picks;
   for (const std::int64_t index : indices->integers) {
     if (index < -shape[axis] || index >= shape[axis])
@@ -35,10 +41,6 @@ Expected<ValueId> lower_gather(Lowering& lowering, const Node& node) {
     picks.push_back(static_cast<std::size_t>(index < 0 ? index + shape[axis] : index));
   }
   ROOMWISE_TRY(const ValueId picked, lowering.pick(input, axis, picks));
-  const auto at = static_cast<std::ptrdiff_t>(axis);
-  Shape result(shape.begin(), shape.begin() + at);
-  result.insert(result.end(), indices->shape.begin(), indices->shape.end());
-  result.insert(result.end(), shape.begin() + at + 1, shape.end());
   return lowering.reshape(picked, result);
 }
 
@@ -202,6 +204,12 @@ Expected<ValueId> lower_reshape(Lowering& lowering, const Node& node) {
   return lowering.reshape(input, wanted);
 }
 
+Expected<ValueId> lower_expand(Lowering& lowering, const Node& node) {
+  ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
+  ROOMWISE_TRY(const Shape wanted, lowering.integers_input(node, 1));
+  return lowering.expand(input, wanted);
+}
+
 Expected<ValueId> lower_flatten(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   const Shape shape = lowering.shape(input);
@@ -265,6 +273,7 @@ const OperatorTable& shape_operators() {
       {"Split", lower_split},         {"Pad", lower_pad},         {"Reshape", lower_reshape},
       {"Flatten", lower_flatten},     {"Squeeze", lower_squeeze}, {"Unsqueeze", lower_unsqueeze},
       {"Transpose", lower_transpose}, {"Resize", lower_resize},   {"Upsample", lower_resize},
+      {"Expand", lower_expand},
   };
   return table;
 }

@@ -80,6 +80,7 @@ struct GraphInput {
 
   std::string name;
   Shape shape;
+  bool is_integer = false;  // whole numbers
 };
 
 // An ONNX network as its file says it, before anything is made of it.

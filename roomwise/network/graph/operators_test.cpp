@@ -1,6 +1,7 @@
 // Each operator against OpenCV, or against values worked out by hand where OpenCV lacks it.
 #include <gmock/gmock.h>
 
+#include "roomwise/network/formats/onnx_writer.h"
 #include "roomwise/network/graph/lowering.h"
 #include "roomwise/network/testing/tiny_runs.h"
 
@@ -376,6 +377,239 @@ TEST(Operators, Resizes) {
       load(onnx(one_node("Resize", {1, 1, 1, 2}, {attribute("nearest_mode", "round")},
                          {"", "", "sizes"}, {tensor("sizes", {4}, Integers{1, 1, 1, 5})}))),
       "its nearest_mode \"round\" is none of round_prefer_floor, ");
+}
+
+// One node between two inputs ("picture" and whole numbers) and "out", of opset 17.
+std::vector<std::uint8_t> with_tokens(Node node, Shape picture, Shape tokens) {
+  OnnxGraph graph;
+  graph.opset = 17;
+  node.name = "the node";
+  graph.nodes.push_back(std::move(node));
+  graph.inputs = {{"picture", std::move(picture)}, {"tokens", std::move(tokens), true}};
+  graph.outputs = {graph.nodes.back().outputs.front()};
+  return write_onnx_graph(graph).value();
+}
+
+Expected<std::vector<Tensor>> run_two(const std::vector<std::uint8_t>& file, const Tensor& first,
+                                      const Tensor& second) {
+  ROOMWISE_TRY(OnnxGraph graph, read_onnx_graph(file));
+  ROOMWISE_TRY(const auto executor, Executor::create(std::move(graph)));
+  return executor->run(std::vector{first, second});
+}
+
+TEST(Operators, WordsAreLookedUpByWholeNumbers) {
+  const auto rows =
+      with_tokens({"", "Gather", "", {"picture", "tokens"}, {"out"}, {}}, {3, 2}, {1, 2});
+  const Tensor table{{3, 2}, {1, 2, 3, 4, 5, 6}};
+  const auto found = run_two(rows, table, {{1, 2}, {2, -3}});
+  ASSERT_OK(found);
+  EXPECT_THAT(found->front().shape, ElementsAre(1, 2, 2));
+  EXPECT_THAT(found->front().values, ElementsAre(5, 6, 1, 2));
+  for (const float outside : {3.F, -4.F, std::nanf("")}) {
+    EXPECT_ERROR(run_two(rows, table, {{1, 2}, {0, outside}}),
+                 "node \"the node\": there is no index");
+  }
+  const auto columns = with_tokens(
+      {"", "Gather", "", {"picture", "tokens"}, {"out"}, {{"axis", Attribute(std::int64_t{1})}}},
+      {2, 3}, {2});
+  const auto picked = run_two(columns, {{2, 3}, {1, 2, 3, 4, 5, 6}}, {{2}, {2, 0}});
+  ASSERT_OK(picked);
+  EXPECT_THAT(picked->front().values, ElementsAre(3, 1, 6, 4));
+  EXPECT_ERROR(
+      run_two(with_tokens({"", "Gather", "", {"tokens", "picture"}, {"out"}, {}}, {2}, {3}),
+              {{2}, {0, 1}}, {{3}, {1, 2, 3}}),
+      "node \"the node\" (Gather, opset 17): its indices are no whole numbers");
+}
+
+TEST(Operators, WholeNumbersAndOthersAreNotMixed) {
+  EXPECT_ERROR(run_two(with_tokens({"", "Add", "", {"picture", "tokens"}, {"out"}, {}}, {2}, {2}),
+                       {{2}, {1, 2}}, {{2}, {1, 2}}),
+               "node \"the node\" (Add, opset 17): works on whole numbers");
+  EXPECT_ERROR(run_two(with_tokens({"", "Sigmoid", "", {"tokens"}, {"out"}, {}}, {2}, {2}),
+                       {{2}, {1, 2}}, {{2}, {1, 2}}),
+               "works on whole numbers");
+  EXPECT_ERROR(run_two(with_tokens({"", "Div", "", {"tokens", "tokens"}, {"out"}, {}}, {2}, {2}),
+                       {{2}, {1, 2}}, {{2}, {1, 2}}),
+               "divides whole numbers");
+}
+
+TEST(Operators, CastsOfWhatDependsOnTheInput) {
+  const auto cast = [](const char* from, std::int64_t to) {
+    return with_tokens({"", "Cast", "", {from}, {"out"}, {{"to", Attribute(to)}}}, {3}, {3});
+  };
+  const Tensor numbers{{3}, {0, -0.5, 2}}, tokens{{3}, {0, 7, -1}};
+  EXPECT_THAT(run_two(cast("tokens", 1), numbers, tokens)->front().values, ElementsAre(0, 7, -1));
+  EXPECT_THAT(run_two(cast("tokens", 6), numbers, tokens)->front().values, ElementsAre(0, 7, -1));
+  EXPECT_THAT(run_two(cast("tokens", 9), numbers, tokens)->front().values, ElementsAre(0, 1, 1));
+  EXPECT_THAT(run_two(cast("picture", 9), numbers, tokens)->front().values, ElementsAre(0, 1, 1));
+  EXPECT_ERROR(run_two(cast("picture", 7), numbers, tokens), "to whole numbers is not supported");
+}
+
+TEST(Operators, TheLargestIndex) {
+  const TinyGraph rows =
+      one_node("ArgMax", {2, 3}, {attribute("axis", -1), attribute("keepdims", 0)});
+  EXPECT_THAT(values_of(rows, {1, 5, 5, 9, 0, 2}), ElementsAre(1, 0));
+  EXPECT_THAT(shape_of(rows), ElementsAre(2));
+  const TinyGraph columns = one_node("ArgMax", {2, 3});
+  EXPECT_THAT(values_of(columns, {1, 5, 5, 9, 0, 6}), ElementsAre(1, 0, 1));
+  EXPECT_THAT(shape_of(columns), ElementsAre(1, 3));
+  EXPECT_ERROR(load(onnx(one_node("ArgMax", {2, 3}, {attribute("select_last_index", 1)}))),
+               "the last of several largest values is not supported");
+}
+
+TEST(Operators, SumsAndLengths) {
+  const std::vector<float> input{3, 4, -6, 8};
+  TinyGraph sum = one_node("ReduceSum", {2, 2}, {attribute("keepdims", 0)}, {"a"},
+                           {tensor("a", {1}, Integers{-1})});
+  sum.opset = 13;
+  EXPECT_THAT(values_of(sum, input), ElementsAre(7, 2));
+  EXPECT_THAT(shape_of(sum), ElementsAre(2));
+  EXPECT_THAT(values_of(one_node("ReduceSum", {2, 2}, {attribute("axes", Integers{0})}), input),
+              ElementsAre(-3, 12));
+  EXPECT_THAT(values_of(one_node("ReduceL2", {2, 2}, {attribute("axes", Integers{-1})}), input),
+              ElementsAre(5, 10));
+}
+
+TEST(Operators, LayerNormalization) {
+  TinyGraph graph = one_node(
+      "LayerNormalization", {2, 2}, {attribute("epsilon", 0.0F)}, {"g", "b"},
+      {tensor("g", {2}, std::vector<float>{10, 1}), tensor("b", {2}, std::vector<float>{0, 5})});
+  graph.opset = 17;
+  EXPECT_THAT(values_of(graph, {1, 3, 10, 30}), ElementsAre(-10, 6, -10, 6));
+  graph.constants = {tensor("g", {3}, std::vector<float>(3, 1)),
+                     tensor("b", {2}, std::vector<float>(2))};
+  EXPECT_ERROR(load(onnx(graph)), "do not fit each other");
+}
+
+TEST(Operators, RootsPowersAndTheErrorFunction) {
+  EXPECT_THAT(values_of(one_node("Sqrt", {1, 3}), {0, 4, 9}), ElementsAre(0, 2, 3));
+  EXPECT_THAT(values_of(one_node("Erf", {1, 3}), {0, 1, -0.5F}),
+              Pointwise(FloatNear(1e-6F), {0.F, 0.842700793F, -0.520499878F}));
+  EXPECT_THAT(values_of(one_node("Neg", {1, 2}), {3, -4}), ElementsAre(-3, 4));
+  const auto power = [](float exponent) {
+    return one_node("Pow", {1, 3}, {}, {"p"}, {tensor("p", {}, std::vector<float>{exponent})});
+  };
+  EXPECT_THAT(values_of(power(2), {3, -4, 0.5F}), ElementsAre(9, 16, 0.25));
+  EXPECT_THAT(values_of(power(3), {3, -4, 0.5F}),
+              Pointwise(FloatNear(1e-5F), {27.F, -64.F, 0.125F}));
+  EXPECT_THAT(values_of(power(-0.5F), {4, 16, 1}), Pointwise(FloatNear(1e-6F), {0.5F, 0.25F, 1.F}));
+  // Behind a convolution, which takes other functions into itself.
+  const TinyGraph behind{
+      {layer("Conv", {"picture", "w"}, {"c"}, {attribute("kernel_shape", Integers{1, 1})}),
+       layer("Erf", {"c"}, {"out"})},
+      {tensor("w", {1, 1, 1, 1}, std::vector<float>{2})},
+      {1, 1, 1, 1},
+      {{"out", {}}}};
+  EXPECT_THAT(values_of(behind, {0.5F}), Pointwise(FloatNear(1e-6F), {0.842700793F}));
+}
+
+TEST(Operators, Comparisons) {
+  const auto with = [](const char* operation) {
+    return one_node(operation, {1, 3}, {}, {"c"}, {tensor("c", {1}, std::vector<float>{2})});
+  };
+  const std::vector<float> input{1, 2, 3};
+  EXPECT_THAT(values_of(with("Equal"), input), ElementsAre(0, 1, 0));
+  EXPECT_THAT(values_of(with("Less"), input), ElementsAre(1, 0, 0));
+  EXPECT_THAT(values_of(with("Greater"), input), ElementsAre(0, 0, 1));
+  EXPECT_THAT(values_of(with("Max"), input), ElementsAre(2, 2, 3));
+  EXPECT_THAT(values_of(with("Min"), input), ElementsAre(1, 2, 2));
+  const auto both = [](const char* operation) {
+    return TinyGraph{
+        {layer("Less", {"picture", "c"}, {"l"}), layer("Greater", {"picture", "d"}, {"g"}),
+         layer(operation, {"l", "g"}, {"j"}), layer("Not", {"j"}, {"out"})},
+        {tensor("c", {}, std::vector<float>{3}), tensor("d", {}, std::vector<float>{1})},
+        {1, 3},
+        {{"out", {}}}};
+  };
+  EXPECT_THAT(values_of(both("And"), input), ElementsAre(1, 0, 1));
+  EXPECT_THAT(values_of(both("Or"), {1, 2, 3}), ElementsAre(0, 0, 0));
+}
+
+// By infinity too, which no sum of products could choose.
+TEST(Operators, Selections) {
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  const TinyGraph graph{{layer("Greater", {"picture", "c"}, {"chosen"}),
+                         layer("Where", {"chosen", "far", "picture"}, {"out"})},
+                        {tensor("c", {2, 1}, std::vector<float>{1, 2}),
+                         tensor("far", {}, std::vector<float>{-kInfinite})},
+                        {1, 3},
+                        {{"out", {}}}};
+  EXPECT_THAT(values_of(graph, {1, 2, 3}),
+              ElementsAre(1, -kInfinite, -kInfinite, 1, 2, -kInfinite));
+  EXPECT_ERROR(load(onnx(one_node("Where", {1, 3}, {}, {"picture", "picture"}))),
+               "its condition is no truth value");
+}
+
+// A mask of what comes later, worked out beforehand: -infinity above the diagonal.
+TEST(Operators, MasksKnownBeforehand) {
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  const std::vector<std::string> numbers{tensor("zero", {}, Integers{0}),
+                                         tensor("three", {}, Integers{3}),
+                                         tensor("one", {}, Integers{1}),
+                                         tensor("column", {2}, Integers{3, 1}),
+                                         tensor("far", {}, std::vector<float>{-kInfinite}),
+                                         tensor("none", {}, std::vector<float>{0})};
+  TinyGraph ranges{{layer("Range", {"zero", "three", "one"}, {"places"}),
+                    layer("Reshape", {"places", "column"}, {"below"}),
+                    layer("Greater", {"places", "below"}, {"later"}),
+                    layer("Where", {"later", "far", "none"}, {"mask"}),
+                    layer("Add", {"picture", "mask"}, {"sum"}), layer("Softmax", {"sum"}, {"out"})},
+                   numbers,
+                   {3, 3},
+                   {{"out", {}}}};
+  ranges.opset = 14;
+  const auto expected = {1.F, 0.F, 0.F, 0.5F, 0.5F, 0.F, 1.F / 3, 1.F / 3, 1.F / 3};
+  EXPECT_THAT(values_of(ranges, std::vector<float>(9, 1)), Pointwise(FloatNear(1e-6F), expected));
+  TinyGraph triangle = ranges;
+  triangle.nodes = {layer("Trilu", {"full", "one"}, {"mask"}, {attribute("upper", 1)}),
+                    layer("Add", {"picture", "mask"}, {"sum"}), layer("Softmax", {"sum"}, {"out"})};
+  triangle.constants.push_back(tensor("full", {3, 3}, std::vector<float>(9, -kInfinite)));
+  EXPECT_THAT(values_of(triangle, std::vector<float>(9, 1)), Pointwise(FloatNear(1e-6F), expected));
+  TinyGraph lower = triangle;
+  lower.nodes = {layer("Trilu", {"full"}, {"mask"}, {attribute("upper", 0)}),
+                 layer("Add", {"picture", "mask"}, {"out"})};
+  lower.constants = {tensor("full", {2, 3}, std::vector<float>{1, 2, 3, 4, 5, 6})};
+  lower.input = {2, 3};
+  EXPECT_THAT(values_of(lower, std::vector<float>(6, 0)), ElementsAre(1, 0, 0, 4, 5, 0));
+  ranges.nodes[0] = layer("Range", {"zero", "three", "zero"}, {"places"});
+  EXPECT_ERROR(load(onnx(ranges)), "its step is 0");
+}
+
+TEST(Operators, Expansions) {
+  const auto expand = [](Integers shape) {
+    return one_node("Expand", {1, 2, 1}, {}, {"s"},
+                    {tensor("s", {static_cast<std::int64_t>(shape.size())}, shape)});
+  };
+  EXPECT_THAT(values_of(expand({2, 1, 2}), {3, 4}), ElementsAre(3, 3, 4, 4, 3, 3, 4, 4));
+  EXPECT_THAT(shape_of(expand({2, 1, 1, 1})), ElementsAre(2, 1, 2, 1));
+  EXPECT_ERROR(load(onnx(expand({1, 3, 1}))), "do not fit each other");
+}
+
+TEST(Operators, PartsOfShapes) {
+  TinyGraph graph{
+      {layer("Shape", {"picture"}, {"part"}, {attribute("start", 1), attribute("end", -1)}),
+       layer("Cast", {"part"}, {"numbers"}, {attribute("to", 1)}),
+       layer("Add", {"picture", "numbers"}, {"out"})},
+      {},
+      {1, 2, 1},
+      {{"out", {}}}};
+  graph.opset = 15;
+  EXPECT_THAT(values_of(graph, {0, 1}), ElementsAre(2, 3));
+}
+
+TEST(Operators, ProductsOfManyMatrices) {
+  const TinyGraph weighted = one_node("MatMul", {2, 2, 1, 2}, {}, {"w"},
+                                      {tensor("w", {2, 2}, std::vector<float>{1, 10, 100, 1000})});
+  EXPECT_THAT(shape_of(weighted), ElementsAre(2, 2, 1, 2));
+  EXPECT_THAT(values_of(weighted, {1, 2, 3, 4, 5, 6, 7, 8}),
+              ElementsAre(201, 2010, 403, 4030, 605, 6050, 807, 8070));
+  const TinyGraph each{
+      {layer("Transpose", {"picture"}, {"t"}, {attribute("perm", Integers{0, 2, 1})}),
+       layer("MatMul", {"picture", "t"}, {"out"})},
+      {},
+      {2, 1, 2},
+      {{"out", {}}}};
+  EXPECT_THAT(values_of(each, {1, 2, 3, 4}), ElementsAre(5, 25));
 }
 
 TEST(Operators, ErrorsNameNodeOperatorAndOpset) {

@@ -83,9 +83,12 @@ std::optional<Scale> scale_of(const Program& program, const Layer& layer) {
   const Arithmetic* arithmetic = layer.as<Arithmetic>();
   if (arithmetic == nullptr) return std::nullopt;
   const Operator operation = arithmetic->operation;
+  constexpr std::array kScales{Operator::kAdd, Operator::kSubtract, Operator::kMultiply,
+                               Operator::kDivide};
+  if (std::ranges::find(kScales, operation) == kScales.end()) return std::nullopt;
   ValueId scaled = layer.inputs[0], constant = layer.inputs[1];
-  const bool commutes = operation == Operator::kAdd || operation == Operator::kMultiply;
-  if (commutes && program.values[constant].constant == nullptr) std::swap(scaled, constant);
+  if (arithmetic->commutes() && program.values[constant].constant == nullptr)
+    std::swap(scaled, constant);
   const Shape& shape = program.values[layer.output].shape;
   if (program.values[scaled].shape != shape) return std::nullopt;
   auto numbers = per_channel(program.values[constant], shape);
@@ -188,7 +191,8 @@ void fuse_activations(Program& program) {
   remove_unused(program);
   for (std::size_t i = 0; i < program.layers.size(); ++i) {
     const Activation* activation = program.layers[i].as<Activation>();
-    if (activation == nullptr) continue;
+    // oneDNN has none of the error function alone.
+    if (activation == nullptr || activation->function == Function::kErf) continue;
     const DefUse def_use(program);
     Layer* layer = def_use.single_use_producer<Convolution>(program, program.layers[i].inputs[0]);
     if (layer == nullptr) continue;

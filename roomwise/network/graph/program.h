@@ -26,7 +26,8 @@ struct EightBits {
 
 struct Value {
   Shape shape;
-  ConstantPointer constant = nullptr;                  // absent: computed, or an input
+  ConstantPointer constant = nullptr;  // absent: computed, or an input
+  bool is_integer = false;  // of what is computed: whole numbers, held in floats (up to 2^24)
   std::optional<EightBits> eight_bits = std::nullopt;  // absent: 32-bit floats (quantization.h)
 };
 
@@ -38,6 +39,9 @@ struct Activation {
     kSigmoid,
     kTanh,
     kExp,
+    kSquareRoot,
+    kPower,      // x^alpha
+    kErf,        // Gauss' error function
     kLinear,     // alpha * x + beta
     kSwish,      // x * sigmoid(x)
     kHardSwish,  // x * clip(x / 6 + 1/2, 0, 1)
@@ -80,10 +84,32 @@ struct Pooling {
   Window window;
 };
 
-// Of two inputs whose shapes broadcast as NumPy's do.
+// Of two inputs whose shapes broadcast as NumPy's do. Comparisons give 1 or 0.
 struct Arithmetic {
-  enum class Operator { kAdd, kSubtract, kMultiply, kDivide };
+  enum class Operator { kAdd, kSubtract, kMultiply, kDivide, kMaximum, kMinimum, kEqual, kLess };
   Operator operation = Operator::kAdd;
+
+  [[nodiscard]] bool commutes() const {
+    return operation != Operator::kSubtract && operation != Operator::kDivide &&
+           operation != Operator::kLess;
+  }
+  [[nodiscard]] bool compares() const {
+    return operation == Operator::kEqual || operation == Operator::kLess;
+  }
+};
+
+// The second input where the first is not 0, else the third. Their shapes broadcast.
+struct Selection {};
+
+// The slices of the first input along `axis` that the second names; its axes stand in the place of
+// that axis.
+struct Lookup {
+  std::size_t axis = 0;
+};
+
+// Where along `axis`, which stays with the size 1, the largest value is (the first of several).
+struct LargestIndex {
+  std::size_t axis = 0;
 };
 
 // The output's slices along `axis`, each a slice of an input or all `fill`: what joins, splits,
@@ -134,7 +160,7 @@ struct Mean {
 
 struct Layer {
   std::variant<Convolution, Pooling, Activation, Arithmetic, AxisGather, MatrixProduct, Softmax,
-               Resampling, View, Permutation, Mean>
+               Resampling, View, Permutation, Mean, Selection, Lookup, LargestIndex>
       operation;
   std::vector<ValueId> inputs;
   ValueId output = 0;
