@@ -32,10 +32,20 @@ void BarredFloor::mark_occupied(std::span<const Vector2d> middles, double radius
   image::Image<fusion::FloorCell> cells(floor.columns(), floor.rows(), fusion::FloorCell::kUnknown);
   for (int row = 0; row < floor.rows(); ++row) {
     for (int column = 0; column < floor.columns(); ++column) {
-      const Vector2d cell = floor.cell_middle_m(column, row);
-      const bool is_barred = std::ranges::any_of(
-          middles, [&](const Vector2d& middle) { return (cell - middle).norm() <= radius_m; });
-      cells.at(column, row) = is_barred ? fusion::FloorCell::kOccupied : floor.at(column, row);
+      cells.at(column, row) = floor.at(column, row);
+    }
+  }
+  const auto reach = static_cast<int>(std::ceil(radius_m / floor.cell_m()));
+  for (const Vector2d& middle : middles) {
+    const Eigen::Array2i cell =
+        ((middle - floor.origin_m()) / floor.cell_m()).array().floor().cast<int>();
+    for (int row = std::max(0, cell.y() - reach);
+         row <= std::min(floor.rows() - 1, cell.y() + reach); ++row) {
+      for (int column = std::max(0, cell.x() - reach);
+           column <= std::min(floor.columns() - 1, cell.x() + reach); ++column) {
+        if ((floor.cell_middle_m(column, row) - middle).norm() > radius_m) continue;
+        cells.at(column, row) = fusion::FloorCell::kOccupied;
+      }
     }
   }
   barred_ = fusion::FloorGrid(floor.origin_m(), floor.cell_m(), std::move(cells));

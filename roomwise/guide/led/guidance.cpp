@@ -193,7 +193,7 @@ std::optional<Prompt> Guidance::begin(const Pose& pose) {
                 {{"goal", Nouns{goal().noun}}, {"distance", wording_.distance(way_.left_m(pose))}}},
                goal().is_sure ? Confidence::kSure : Confidence::kProbable);
   }
-  if (said == 1 && !way_.leads_to_goal()) {
+  if (said == 1 && plan().status == PlanStatus::kPartial) {
     return length_m(plan().route) < kHand_m ? end_of_way() : say({"guide.near"});
   }
   if (said <= 2 && plan().is_narrow) {

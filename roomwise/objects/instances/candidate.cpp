@@ -170,7 +170,10 @@ std::vector<Candidate> find_candidates(std::span<const WorldObservation> observa
                                        const GroundPlane& level) {
   std::vector<Candidate> candidates;
   for (ObservationCluster& group : associate(observations)) {
-    if (group.size() < 2) continue;
+    const bool is_of_one_picture = std::ranges::all_of(group, [&](std::size_t i) {
+      return observations[i].keyframe == observations[group.front()].keyframe;
+    });
+    if (is_of_one_picture) continue;
     Candidate candidate = candidate_of(std::move(group), observations, keyframes, level);
     if (candidate.has_extent()) candidates.push_back(std::move(candidate));
   }
@@ -195,15 +198,16 @@ bool should_see(const ObservedKeyframe& keyframe, std::span<const Eigen::Vector3
   constexpr double kBehind_m = 0.2;
   const std::size_t every = std::max<std::size_t>(1, surface_world.size() / kMaxProbes);
   const geometry::RigidTransform camera_from_world = keyframe.world_from_camera.inverse();
-  int probes = 0, visible = 0;
-  for (std::size_t i = 0; i < surface_world.size(); i += every) {
-    ++probes;
+  const std::size_t probes = (surface_world.size() + every - 1) / every;
+  const auto may_miss = static_cast<std::size_t>(0.3 * static_cast<double>(probes));
+  std::size_t missed = 0;
+  for (std::size_t i = 0; i < surface_world.size() && missed <= may_miss; i += every) {
     const Vector3d point = camera_from_world * surface_world[i].cast<double>();
-    if (point.z() < 0.3 || point.z() > max_range_m) continue;
-    const auto seen_m = keyframe.depth_at_m(point);
-    if (seen_m && (*seen_m <= 0 || *seen_m > point.z() - kBehind_m)) ++visible;
+    const bool is_in_range = point.z() >= 0.3 && point.z() <= max_range_m;
+    const auto seen_m = is_in_range ? keyframe.depth_at_m(point) : std::nullopt;
+    if (!seen_m || (*seen_m > 0 && *seen_m <= point.z() - kBehind_m)) ++missed;
   }
-  return visible >= 0.7 * probes && probes > 0;
+  return probes > 0 && missed <= may_miss;
 }
 
 }  // namespace roomwise::objects

@@ -140,9 +140,9 @@ TEST(FindInstances, ABoxInsideAnotherOfItsNameIsTheSameThingOnceMore) {
 
 TEST(FindInstances, ALookAlikeTakesTheNameAwayAndIsNotToldItself) {
   TestRoom room;
-  room.things = {{"radiator", {0, 0, 0.35}, {1.0, 0.3, 0.6}}};
-  room.look_around({0, 0, 0.35}, 8, 2.0);
-  for (const double y : {1.2, 1.5, 1.8}) room.look({1.2, y, 1.4}, {0, 0, 0.35}, true, "bench");
+  room.things = {{"radiator", {0, 0, 0.65}, {1.0, 0.3, 0.6}}};  // it hangs
+  room.look_around({0, 0, 0.65}, 8, 2.0);
+  for (const double y : {1.2, 1.5, 1.8}) room.look({1.2, y, 1.4}, {0, 0, 0.65}, true, "bench");
   EXPECT_TRUE(room.instances().empty());
 }
 

@@ -33,11 +33,11 @@ Eigen::Vector3d middle_of(const Detection& detection, const geometry::PinholeCam
     const Eigen::Vector2d off = camera.project(point.cast<double>()) - middle;
     if ((off.cwiseAbs().array() <= reach.array()).all()) inside.push_back(point);
   }
-  std::vector<Eigen::Vector3f>& of = inside.empty() ? (inside = detection.surface.points) : inside;
+  if (inside.empty()) inside = detection.surface.points;
   Eigen::Vector3d median;
   for (int axis = 0; axis < 3; ++axis) {
     const auto along = [axis](const Eigen::Vector3f& point) { return point[axis]; };
-    median[axis] = static_cast<double>(along(median_of(of, along)));
+    median[axis] = static_cast<double>(along(median_of(inside, along)));
   }
   // What is seen is the side that faces the camera.
   const Kind* kind = find_kind(detection.class_name);

@@ -18,7 +18,7 @@ using nlohmann::json;
 
 const std::string kHistoryName = "things";
 // To be raised where things are followed otherwise than before.
-constexpr std::uint64_t kHistoryMethod = 1;
+constexpr std::uint64_t kHistoryMethod = 2;
 
 constexpr std::array<std::pair<ThingEvent, std::string_view>, 7> kEvents{
     {{ThingEvent::kFound, "found"},

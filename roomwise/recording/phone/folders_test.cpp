@@ -171,6 +171,8 @@ TEST_F(PhoneFolders, SevenScenesIsReadWithPicturesThatSomebodyPacked) {
   ASSERT_OK(recording);
   EXPECT_EQ((*recording)->kind(), "7-Scenes");
   EXPECT_EQ((*recording)->frame(1).value()->depth.at(320, 100), 2500);
+  write("info.txt", std::string_view("m_versionNumber = 4\n"));
+  EXPECT_ERROR(open(), "no recording of a kind that is read");  // BundleFusion's
 }
 
 TEST_F(PhoneFolders, SevenScenesDamageIsNamed) {

@@ -39,7 +39,8 @@ Expected<geometry::RigidTransform> read_scene_pose(const fs::path& file) {
 bool is_seven_scenes_folder(const fs::path& folder) {
   return (has_numbered_file(folder, "frame-", ".color.png") ||
           has_numbered_file(folder, "frame-", ".color.jpg")) &&
-         has_numbered_file(folder, "frame-", ".depth.png");
+         has_numbered_file(folder, "frame-", ".depth.png") &&
+         !fs::exists(folder / "info.txt");  // BundleFusion's, of a camera that it tells
 }
 
 Expected<std::unique_ptr<Recording>> open_seven_scenes_folder(const fs::path& folder,
