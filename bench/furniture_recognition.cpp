@@ -19,7 +19,7 @@
 #include "laboratory/simulation/recording/simulate_recording.h"
 #include "laboratory/simulation/walk/piece_views.h"
 #include "roomwise/base/file.h"
-#include "roomwise/evaluation/proportion.h"
+#include "roomwise/evaluation/statistics/proportion.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/image/resample.h"
 #include "roomwise/network/vision/detector.h"

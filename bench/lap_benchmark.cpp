@@ -23,7 +23,7 @@
 #include "arguments.h"
 #include "resident_memory.h"
 #include "roomwise/base/random.h"
-#include "roomwise/evaluation/trajectory_error.h"
+#include "roomwise/evaluation/errors/trajectory_error.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/stored_map.h"

@@ -28,7 +28,7 @@
 #include "arguments.h"
 #include "peak_memory.h"
 #include "roomwise/base/random.h"
-#include "roomwise/evaluation/quantile.h"
+#include "roomwise/evaluation/statistics/quantile.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/pipeline/mapping/home_localizer.h"
 #include "roomwise/pipeline/mapping/map_recording.h"

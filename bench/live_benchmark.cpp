@@ -18,7 +18,7 @@
 #include <thread>
 
 #include "resident_memory.h"
-#include "roomwise/evaluation/quantile.h"
+#include "roomwise/evaluation/statistics/quantile.h"
 #include "roomwise/live/routes/home_routes.h"
 #include "roomwise/network/vision/onnx_classifier.h"
 #include "roomwise/recording/open_recording.h"

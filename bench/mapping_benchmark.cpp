@@ -25,8 +25,8 @@
 #include <vector>
 
 #include "arguments.h"
-#include "roomwise/evaluation/quantile.h"
-#include "roomwise/evaluation/trajectory_error.h"
+#include "roomwise/evaluation/errors/trajectory_error.h"
+#include "roomwise/evaluation/statistics/quantile.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/stored_map.h"

@@ -16,7 +16,7 @@
 #include <map>
 #include <opencv2/core/utility.hpp>
 
-#include "roomwise/evaluation/proportion.h"
+#include "roomwise/evaluation/statistics/proportion.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/network/vision/onnx_classifier.h"
 #include "roomwise/objects/detection/object_vocabulary.h"

@@ -19,7 +19,7 @@
 #include "arguments.h"
 #include "laboratory/studies/roomwise_runs.h"
 #include "roomwise/base/file.h"
-#include "roomwise/evaluation/resampling.h"
+#include "roomwise/evaluation/statistics/resampling.h"
 
 namespace roomwise::bench {
 namespace {

@@ -11,7 +11,7 @@
 #include "reliability_json.h"
 #include "render_options.h"
 #include "roomwise/base/file.h"
-#include "roomwise/evaluation/quantile.h"
+#include "roomwise/evaluation/statistics/quantile.h"
 #include "roomwise/pipeline/rooms/home_layout.h"
 
 namespace roomwise::app {

@@ -7,8 +7,8 @@
 #include "commands.h"
 #include "laboratory/trials/localization_evaluation.h"
 #include "open_home.h"
-#include "roomwise/evaluation/proportion.h"
-#include "roomwise/evaluation/quantile.h"
+#include "roomwise/evaluation/statistics/proportion.h"
+#include "roomwise/evaluation/statistics/quantile.h"
 
 namespace roomwise::app {
 namespace {

@@ -3,7 +3,7 @@
 #include "camera_option.h"
 #include "commands.h"
 #include "laboratory/labelling/lift_labels.h"
-#include "roomwise/evaluation/quantile.h"
+#include "roomwise/evaluation/statistics/quantile.h"
 #include "roomwise/recording/open_recording.h"
 
 namespace roomwise::app {

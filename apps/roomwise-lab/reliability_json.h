@@ -3,7 +3,7 @@
 #include <span>
 
 #include "command.h"
-#include "roomwise/evaluation/reliability.h"
+#include "roomwise/evaluation/report/reliability.h"
 
 namespace roomwise::app {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "laboratory/training/trainer.h"
-#include "roomwise/evaluation/training_report.h"
+#include "roomwise/evaluation/report/training_report.h"
 #include "roomwise/network/formats/model_card.h"
 
 namespace roomwise::app {

@@ -2,8 +2,8 @@
 
 #include "commands.h"
 #include "roomwise/base/file.h"
-#include "roomwise/evaluation/trajectory_error.h"
-#include "roomwise/evaluation/trajectory_plot.h"
+#include "roomwise/evaluation/drawing/trajectory_plot.h"
+#include "roomwise/evaluation/errors/trajectory_error.h"
 #include "roomwise/recording/open_recording.h"
 
 namespace roomwise::app {

@@ -6,7 +6,7 @@
 #include "open_home.h"
 #include "pose_json.h"
 #include "roomwise/base/file.h"
-#include "roomwise/evaluation/floor_plan_drawing.h"
+#include "roomwise/evaluation/drawing/floor_plan_drawing.h"
 #include "roomwise/pipeline/rooms/home_layout.h"
 #include "roomwise/pipeline/rooms/room_outline.h"
 

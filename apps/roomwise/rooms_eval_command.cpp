@@ -12,7 +12,7 @@
 #include "open_home.h"
 #include "rooms_options.h"
 #include "roomwise/base/file.h"
-#include "roomwise/evaluation/recognition_report.h"
+#include "roomwise/evaluation/report/recognition_report.h"
 #include "roomwise/pipeline/rooms/room_baselines.h"
 #include "roomwise/pipeline/rooms/room_evaluation.h"
 #include "roomwise/pipeline/rooms/room_learning.h"

@@ -7,9 +7,9 @@
 
 #include "laboratory/studies/paper_published.h"
 #include "laboratory/studies/paper_recordings.h"
-#include "roomwise/evaluation/quantile.h"
-#include "roomwise/evaluation/report_page.h"
-#include "roomwise/evaluation/svg.h"
+#include "roomwise/evaluation/drawing/svg.h"
+#include "roomwise/evaluation/report/report_page.h"
+#include "roomwise/evaluation/statistics/quantile.h"
 
 namespace roomwise::studies {
 namespace {

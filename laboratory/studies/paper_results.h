@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "roomwise/evaluation/proportion.h"
-#include "roomwise/evaluation/training_report.h"
+#include "roomwise/evaluation/report/training_report.h"
+#include "roomwise/evaluation/statistics/proportion.h"
 
 // What the tables of the paper say, as plain values.
 namespace roomwise::studies {

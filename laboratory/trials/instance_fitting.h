@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "laboratory/trials/truth_evaluation.h"
-#include "roomwise/evaluation/coverage.h"
-#include "roomwise/evaluation/reliability.h"
+#include "roomwise/evaluation/report/reliability.h"
+#include "roomwise/evaluation/statistics/coverage.h"
 #include "roomwise/objects/instances/instance_model.h"
 
 // Fits the model that says which candidates are things, and how surely their middles are known

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "roomwise/evaluation/object_error.h"
+#include "roomwise/evaluation/errors/object_error.h"
 #include "roomwise/objects/instances/instances.h"
 
 namespace roomwise::trials {

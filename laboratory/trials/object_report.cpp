@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "roomwise/evaluation/framed_picture.h"
+#include "roomwise/evaluation/drawing/framed_picture.h"
 #include "roomwise/image/codec.h"
 
 namespace roomwise::trials {

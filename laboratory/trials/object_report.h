@@ -3,7 +3,7 @@
 #include <string>
 
 #include "laboratory/trials/truth_evaluation.h"
-#include "roomwise/evaluation/object_report.h"
+#include "roomwise/evaluation/report/object_report.h"
 
 namespace roomwise::trials {
 

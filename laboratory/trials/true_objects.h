@@ -4,7 +4,7 @@
 
 #include "laboratory/labelling/recording_truth.h"
 #include "laboratory/simulation/home/ground_truth.h"
-#include "roomwise/evaluation/object_error.h"
+#include "roomwise/evaluation/errors/object_error.h"
 #include "roomwise/objects/detection/object_vocabulary.h"
 
 namespace roomwise::trials {

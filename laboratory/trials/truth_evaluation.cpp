@@ -8,7 +8,7 @@
 
 #include "laboratory/simulation/home/ground_truth.h"
 #include "laboratory/simulation/recording/simulation_file.h"
-#include "roomwise/evaluation/trajectory_error.h"
+#include "roomwise/evaluation/errors/trajectory_error.h"
 #include "roomwise/pipeline/mapping/dense_map.h"
 #include "roomwise/pipeline/mapping/map_cloud.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"

@@ -7,11 +7,11 @@
 
 #include "laboratory/simulation/recording/simulate_recording.h"
 #include "laboratory/simulation/render/true_surfaces.h"
-#include "roomwise/evaluation/cloud_error.h"
-#include "roomwise/evaluation/coverage.h"
-#include "roomwise/evaluation/floor_error.h"
-#include "roomwise/evaluation/object_error.h"
-#include "roomwise/evaluation/reliability.h"
+#include "roomwise/evaluation/errors/cloud_error.h"
+#include "roomwise/evaluation/errors/floor_error.h"
+#include "roomwise/evaluation/errors/object_error.h"
+#include "roomwise/evaluation/report/reliability.h"
+#include "roomwise/evaluation/statistics/coverage.h"
 #include "roomwise/home/home.h"
 #include "roomwise/pipeline/run_context.h"
 

@@ -3,7 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "python/bindings/bindings.h"
-#include "roomwise/evaluation/trajectory_error.h"
+#include "roomwise/evaluation/errors/trajectory_error.h"
 #include "roomwise/recording/open_recording.h"
 
 namespace roomwise::python {

@@ -3,8 +3,8 @@
 #include <limits>
 
 #include "laboratory/simulation/home/home_geometry.h"
-#include "roomwise/evaluation/report_page.h"
-#include "roomwise/evaluation/svg.h"
+#include "roomwise/evaluation/drawing/svg.h"
+#include "roomwise/evaluation/report/report_page.h"
 
 namespace roomwise::trials {
 namespace {

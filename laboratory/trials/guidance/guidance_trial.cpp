@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "laboratory/trials/guidance/modelled_leader.h"
-#include "roomwise/evaluation/quantile.h"
+#include "roomwise/evaluation/statistics/quantile.h"
 #include "roomwise/guide/answers/route_prompts.h"
 #include "roomwise/guide/words/prompt_queue.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "laboratory/trials/own_things/trial_things.h"
-#include "roomwise/evaluation/proportion.h"
+#include "roomwise/evaluation/statistics/proportion.h"
 #include "roomwise/network/vision/classifier.h"
 #include "roomwise/objects/own_things/own_thing_finder.h"
 

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "roomwise/evaluation/svg.h"
+#include "roomwise/evaluation/drawing/svg.h"
 
 namespace roomwise::pipeline {
 namespace {

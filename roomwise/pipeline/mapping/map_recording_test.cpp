@@ -8,7 +8,7 @@
 #include <csignal>
 
 #include "roomwise/base/testing/testing.h"
-#include "roomwise/evaluation/trajectory_error.h"
+#include "roomwise/evaluation/errors/trajectory_error.h"
 #include "roomwise/mapping/backend/walk_joins.h"
 #include "roomwise/pipeline/mapping/map_cloud.h"
 #include "roomwise/pipeline/report/home_report.h"

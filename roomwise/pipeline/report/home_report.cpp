@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <ranges>
 
-#include "roomwise/evaluation/framed_picture.h"
+#include "roomwise/evaluation/drawing/framed_picture.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/mapping/frontend/loop_closer.h"
 #include "roomwise/pipeline/mapping/map_cloud.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "roomwise/evaluation/html_report.h"
+#include "roomwise/evaluation/report/html_report.h"
 #include "roomwise/home/home.h"
 #include "roomwise/pipeline/rooms/room_evaluation.h"
 #include "roomwise/pipeline/run_context.h"

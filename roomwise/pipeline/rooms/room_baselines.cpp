@@ -5,7 +5,7 @@
 
 #include "roomwise/base/spread.h"
 #include "roomwise/base/stopwatch.h"
-#include "roomwise/evaluation/quantile.h"
+#include "roomwise/evaluation/statistics/quantile.h"
 #include "roomwise/features/feature_extractor.h"
 #include "roomwise/image/resample.h"
 #include "roomwise/motion/motion_estimator.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "roomwise/base/stopwatch.h"
-#include "roomwise/evaluation/quantile.h"
+#include "roomwise/evaluation/statistics/quantile.h"
 #include "roomwise/pipeline/rooms/find_places.h"
 #include "roomwise/pipeline/rooms/predict_pictures.h"
 

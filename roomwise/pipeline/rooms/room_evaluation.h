@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "roomwise/evaluation/confusion_matrix.h"
-#include "roomwise/evaluation/resampling.h"
-#include "roomwise/evaluation/score_ranking.h"
+#include "roomwise/evaluation/statistics/confusion_matrix.h"
+#include "roomwise/evaluation/statistics/resampling.h"
+#include "roomwise/evaluation/statistics/score_ranking.h"
 #include "roomwise/pipeline/rooms/home_places.h"
 #include "roomwise/pipeline/rooms/labelled_pictures.h"
 #include "roomwise/pipeline/rooms/room_recognizer.h"

@@ -57,7 +57,7 @@ test('what lies to the right on the drawing does so, and a place is found again'
 });
 
 test('rooms have the colours that the report and the drawn plan have, made light', () => {
-  const colours = readFileSync('../roomwise/evaluation/svg.cpp', 'utf8');
+  const colours = readFileSync('../roomwise/evaluation/drawing/svg.cpp', 'utf8');
   const styles = readFileSync('src/styles/helper.css', 'utf8');
   for (let i = 0; i < 8; i += 1) {
     const strong = new RegExp(`dot-${i} \\{ fill: #(\\w{6})`).exec(colours)?.[1] ?? '';
