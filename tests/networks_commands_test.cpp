@@ -11,6 +11,7 @@
 #include "roomwise/download/testing/test_server.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/network/testing/tiny_network.h"
+#include "roomwise/network/testing/word_networks.h"
 #include "run_program.h"
 
 namespace roomwise {
@@ -91,6 +92,22 @@ TEST_F(NetworksCommandsTest, APublishedNetworkIsFetchedAndFound) {
 
   ASSERT_OK(write_file(file_, network_ + "x"));
   EXPECT_THAT(run({"networks", "verify"}).errors, HasSubstr("is not the file"));
+}
+
+TEST_F(NetworksCommandsTest, APairThatComparesPicturesWithWordsIsListed) {
+  const std::string folder = path("roomwise/networks");
+  fs::create_directories(folder);
+  ASSERT_OK(network::testing::write_word_networks(folder));
+  const json here = ask({"networks", "list"})["here"];
+  EXPECT_EQ(here[0]["file"], folder + "/words-text.onnx");
+  EXPECT_EQ(here[0]["for"], "reads words");
+  EXPECT_FALSE(here[0]["used_by_default"]);
+  EXPECT_EQ(here[1]["for"], "compares with words");
+  EXPECT_TRUE(here[1]["used_by_default"]);
+  EXPECT_GT(ask({"networks", "bench", "words", "--runs", "2"})["memory_mb"], -1);
+  EXPECT_EQ(ask({"info", folder + "/words.onnx"})["features"], 8);
+  EXPECT_THAT(run({"networks", "quantize", "words", "--pictures", folder}).errors,
+              HasSubstr("8 bits are for networks that look at whole ones"));
 }
 
 // Two convolutions, of random weights.

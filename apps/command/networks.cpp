@@ -16,6 +16,7 @@
 #include "roomwise/network/formats/eight_bit_file.h"
 #include "roomwise/network/formats/network_file.h"
 #include "roomwise/network/vision/onnx_classifier.h"
+#include "roomwise/network/vision/open_vocabulary.h"
 #include "roomwise/pipeline/objects/changed_networks.h"
 
 namespace roomwise::app {
@@ -27,6 +28,10 @@ namespace fs = std::filesystem;
 using IsFor = bool (*)(network::Task);
 bool classifies(network::Task task) {
   return task == network::Task::kClassify;
+}
+
+bool matches_words(network::Task task) {
+  return task == network::Task::kMatchWords;
 }
 
 // The networks of a folder that are for this, by their cards; by name.
@@ -220,6 +225,22 @@ Expected<std::vector<fs::path>> usable_detectors() {
     if (!labels || known.insert(*labels).second) usable.push_back(file);
   }
   return usable;
+}
+
+Expected<std::vector<fs::path>> usable_word_networks() {
+  return networks_for(matches_words);
+}
+
+Expected<std::unique_ptr<network::OpenVocabulary>> load_open_vocabulary() {
+  ROOMWISE_TRY(const auto files, usable_word_networks());
+  if (!files.empty()) return network::OpenVocabulary::load(files.front());
+  const auto own = own_network_folder();
+  return fail(
+      "no pair of networks that compares pictures with words is here, and none can be pulled: put "
+      "one of CLIP's kind into {}, as ONNX files of pictures and of texts, its list of pairs "
+      "(bpe_simple_vocab_16e6.txt), and a card of the task \"match-words\"; the manual shows one "
+      "(Objects, \"Words that no label has\")",
+      own ? own->string() : "a folder of networks (ROOMWISE_MODELS)");
 }
 
 std::vector<fs::path> installed_networks() {

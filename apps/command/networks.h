@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -10,6 +11,10 @@
 #include "roomwise/objects/proposals/object_finders.h"
 #include "roomwise/pipeline/objects/keyframe_observer.h"
 #include "roomwise/pipeline/stored/network_precision.h"
+
+namespace roomwise::network {
+class OpenVocabulary;
+}
 
 namespace roomwise::app {
 
@@ -71,6 +76,11 @@ void add_network_options(CLI::App& command, NetworkOptions& options);
 // alone, since two find no more than the better one, in twice the time: NanoDet-Plus, which the
 // model of objects was fitted with, else the largest.
 [[nodiscard]] Expected<std::vector<std::filesystem::path>> usable_detectors();
+
+// Those of the folders that compare pictures with words; the first is used.
+[[nodiscard]] Expected<std::vector<std::filesystem::path>> usable_word_networks();
+// The first. Fails where there is none, saying what to put where.
+[[nodiscard]] Expected<std::unique_ptr<network::OpenVocabulary>> load_open_vocabulary();
 
 // All files of networks of the folders, that of Roomwise last; of two files of one name the first.
 [[nodiscard]] std::vector<std::filesystem::path> installed_networks();

@@ -12,6 +12,7 @@
 #include "roomwise/network/formats/eight_bit_file.h"
 #include "roomwise/network/vision/detector.h"
 #include "roomwise/network/vision/onnx_classifier.h"
+#include "roomwise/network/vision/open_vocabulary.h"
 #include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/recording/association.h"
 #include "roomwise/recording/open_recording.h"
@@ -231,9 +232,22 @@ Expected<Answer> describe_detector(const fs::path& path) {
   return std::move(facts).answer();
 }
 
+Expected<Answer> describe_word_networks(const fs::path& path) {
+  ROOMWISE_TRY(const auto both, network::OpenVocabulary::load(path));
+  const network::ModelCard& card = both->card();
+  Facts facts(path, "networks that compare pictures with words");
+  facts.add("name", card.name);
+  facts.add("input", fmt::format("{}x{}", card.input_width_px, card.input_height_px));
+  facts.add("texts", card.text->network);
+  facts.add("features", both->size());
+  facts.add("license", card.license);
+  return std::move(facts).answer();
+}
+
 Expected<Answer> describe_network(const fs::path& path) {
   const auto found_card = network::find_model_card(path);
   if (found_card && network::finds_things(found_card->task)) return describe_detector(path);
+  if (found_card && found_card->text) return describe_word_networks(path);
   ROOMWISE_TRY(const auto network, network::OnnxClassifier::load(path));
   const network::ModelCard& card = network->card();
   Facts facts(path, "network");

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <set>
 
 #include "commands.h"
 #include "networks.h"
@@ -63,8 +64,19 @@ std::string what_for(const fs::path& file) {
   const auto card = network::find_model_card(file);
   if (!card) return "no card";
   if (network::finds_things(card->task)) return "finds things";
+  if (card->task == network::Task::kMatchWords) return "compares with words";
   const std::string gives = card->labels_file.empty() ? "features" : "features and names";
   return in_eight_bits ? gives + ", 8 bits" : gives;
+}
+
+// The networks of texts that cards of others name.
+std::set<fs::path> text_networks_among(const std::vector<fs::path>& files) {
+  std::set<fs::path> named;
+  for (const fs::path& file : files) {
+    const auto card = network::find_model_card(file);
+    if (card && card->text) named.insert(file.parent_path() / card->text->network);
+  }
+  return named;
 }
 
 Expected<Answer> list() {
@@ -73,6 +85,8 @@ Expected<Answer> list() {
   ROOMWISE_TRY(auto usable, usable_networks());
   ROOMWISE_TRY(const auto detectors, usable_detectors());
   usable.insert(usable.end(), detectors.begin(), detectors.end());
+  ROOMWISE_TRY(const auto of_words, usable_word_networks());
+  if (!of_words.empty()) usable.push_back(of_words.front());
   std::vector<fs::path> folders = network_folders();
   if (const auto brought = brought_network_folder()) folders.push_back(*brought);
   for (const fs::path& folder : folders) {
@@ -86,9 +100,10 @@ Expected<Answer> list() {
       if (is_network) files.push_back(entry.path());
     }
     std::ranges::sort(files);
+    const std::set<fs::path> text_networks = text_networks_among(files);
     for (const fs::path& file : files) {
       const bool used = std::ranges::find(usable, file) != usable.end();
-      const std::string purpose = what_for(file);
+      const std::string purpose = text_networks.contains(file) ? "reads words" : what_for(file);
       answer.text += fmt::format("  {:44} {:26} {}\n", file.filename().string(), purpose,
                                  used ? "used by default" : "");
       answer.json["here"].push_back(

@@ -15,6 +15,7 @@
 #include "roomwise/network/formats/network_file.h"
 #include "roomwise/network/vision/detector.h"
 #include "roomwise/network/vision/onnx_classifier.h"
+#include "roomwise/network/vision/open_vocabulary.h"
 
 namespace roomwise::app {
 namespace {
@@ -145,7 +146,14 @@ Expected<Answer> bench(const LookOptions& options, Context& /*context*/) {
   const std::size_t before = resident_bytes();
   const double load_start_s = thread_cpu_time_s();
   std::function<Expected<void>()> look;
-  if (!network::finds_things(card.task)) {
+  if (card.task == network::Task::kMatchWords) {
+    ROOMWISE_TRY(std::shared_ptr<network::OpenVocabulary> loaded,
+                 network::OpenVocabulary::load(file));
+    look = [loaded, &picture]() -> Expected<void> {
+      ROOMWISE_TRY(const auto embedding, loaded->embed(picture));
+      return {};
+    };
+  } else if (!network::finds_things(card.task)) {
     ROOMWISE_TRY(std::shared_ptr<network::OnnxClassifier> loaded,
                  network::OnnxClassifier::load(file));
     look = [loaded, &picture]() -> Expected<void> {

@@ -14,11 +14,9 @@ namespace roomwise::network {
 namespace {
 
 const std::initializer_list<std::pair<std::string_view, Task>> kTasks{
-    {"classify", Task::kClassify},
-    {"nanodet-plus", Task::kNanoDetPlus},
-    {"yolox", Task::kYolox},
-    {"yolov5", Task::kYolov5},
-    {"yolov8", Task::kYolov8}};
+    {"classify", Task::kClassify}, {"nanodet-plus", Task::kNanoDetPlus},
+    {"yolox", Task::kYolox},       {"yolov5", Task::kYolov5},
+    {"yolov8", Task::kYolov8},     {"match-words", Task::kMatchWords}};
 
 using Json = nlohmann::json;
 
@@ -41,6 +39,11 @@ class Fields {
   }
   [[nodiscard]] Expected<bool> flag(const char* key, bool otherwise) const {
     return value(key, otherwise, &Json::is_boolean, "true or false");
+  }
+  [[nodiscard]] Expected<int> whole(const char* key, int least, int most, int otherwise) const {
+    const auto is_right = [&](const Json& number) { return is_whole(number, least, most); };
+    return value(key, otherwise, is_right,
+                 fmt::format("a whole number from {} to {}", least, most));
   }
   // The number of a line, from 0; 0 where it is absent.
   [[nodiscard]] Expected<int> line(const char* key) const {
@@ -121,10 +124,36 @@ class Fields {
   std::string where_;
 };
 
+Expected<TextNetwork> parse_text_network(const Json& object, const std::string& origin) {
+  const Fields fields(object, origin + ": text.");
+  ROOMWISE_CHECK_OK(fields.expect_only(
+      {"network", "merges", "vocabulary", "tokens", "output", "places", "padding", "phrases"}));
+  TextNetwork text;
+  ROOMWISE_TRY(text.network, fields.text("network", ""));
+  ROOMWISE_TRY(text.merges, fields.text("merges", ""));
+  if (text.network.empty()) return fail("{}: text.network: expected an ONNX file", origin);
+  if (text.merges.empty()) return fail("{}: text.merges: expected a list of pairs", origin);
+  ROOMWISE_TRY(text.vocabulary, fields.text("vocabulary", ""));
+  ROOMWISE_TRY(text.tokens, fields.text("tokens", ""));
+  ROOMWISE_TRY(text.output, fields.text("output", ""));
+  constexpr int kMaxPlaces = 4096, kMaxToken = 1 << 24;
+  ROOMWISE_TRY(text.places, fields.whole("places", 2, kMaxPlaces, text.places));
+  ROOMWISE_TRY(text.padding, fields.whole("padding", 0, kMaxToken, text.padding));
+  if (object.contains("phrases")) {
+    ROOMWISE_TRY(text.phrases, fields.texts("phrases"));
+    const auto has_place = [](const std::string& phrase) {
+      return phrase.find("{}") != phrase.npos;
+    };
+    if (text.phrases.empty() || !std::ranges::all_of(text.phrases, has_place))
+      return fail("{}: text.phrases: expected sentences with {{}} where the word stands", origin);
+  }
+  return text;
+}
+
 }  // namespace
 
 bool finds_things(Task task) {
-  return task != Task::kClassify;
+  return task != Task::kClassify && task != Task::kMatchWords;
 }
 
 std::string_view name_of(Task task) {
@@ -137,9 +166,9 @@ Expected<ModelCard> ModelCard::parse(std::string_view json, const std::string& o
     return fail("{}: is not JSON; expected a model card, {{ \"input\": {{ ... }}, ... }}", origin);
   }
   const Fields card(root, origin + ": ");
-  ROOMWISE_CHECK_OK(
-      card.expect_only({"name", "task", "input", "mean", "scale", "outputs", "labels",
-                        "first_label", "architecture", "license", "source", "sha256", "notes"}));
+  ROOMWISE_CHECK_OK(card.expect_only({"name", "task", "input", "mean", "scale", "outputs", "labels",
+                                      "first_label", "architecture", "license", "source", "sha256",
+                                      "text", "notes"}));
   ROOMWISE_TRY(const Json input_object, card.object("input"));
   ROOMWISE_TRY(const Json outputs_object, card.object("outputs"));
   const Fields input(input_object, origin + ": input.");
@@ -178,6 +207,15 @@ Expected<ModelCard> ModelCard::parse(std::string_view json, const std::string& o
   ROOMWISE_TRY(result.source, card.text("source", ""));
   ROOMWISE_TRY(result.sha256, card.text("sha256", ""));
   ROOMWISE_TRY(result.notes, card.texts("notes"));
+  const bool matches_words = result.task == Task::kMatchWords;
+  if (matches_words != root.contains("text")) {
+    return fail("{}: text: expected {{ ... }} where the task is \"match-words\", and only there",
+                origin);
+  }
+  if (matches_words) {
+    ROOMWISE_TRY(const Json text, card.object("text"));
+    ROOMWISE_TRY(result.text, parse_text_network(text, origin));
+  }
   return result;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,15 +26,29 @@ enum class Task {
   kYolox,
   kYolov5,
   kYolov8,
+  kMatchWords,  // compares pictures with words (OpenVocabulary), beside a network of texts
 };
 [[nodiscard]] bool finds_things(Task task);
-// "classify", "nanodet-plus", "yolox", "yolov5" or "yolov8".
+// "classify", "nanodet-plus", "yolox", "yolov5", "yolov8" or "match-words".
 [[nodiscard]] std::string_view name_of(Task task);
 
 // Which network the weights are of.
 enum class Architecture {
   kOwn,          // that of the ONNX file that holds them
   kInceptionV3,  // torchvision's (inception_v3.h); its outputs are "features" and "fc"
+};
+
+// The network that tells what texts mean, beside one that looks at pictures (Task::kMatchWords).
+struct TextNetwork {
+  std::string network;     // its ONNX file, beside the pictures'
+  std::string merges;      // the list of pairs of its tokenizer (clip_tokenizer.h), beside both
+  std::string vocabulary;  // the numbers of its pieces, likewise; empty: OpenAI's
+  std::string tokens;      // the input that takes these; empty: the first
+  std::string output;      // empty: its only one
+  int places = 77;         // tokens a text
+  int padding = 0;         // the token behind a text's end
+  // Sentences that a word is put into, at "{}"; a word means what they mean together.
+  std::vector<std::string> phrases{"a photo of a {}."};
 };
 
 // What a weights file does not say about itself: how a picture is put in, and what comes out. A
@@ -49,6 +64,11 @@ enum class Architecture {
 //     "sha256": "the weights file's, 64 digits", "notes": ["what else is known of it"] }
 // "features" may be a list of names; "task" may be "nanodet-plus", "yolox", "yolov5" or "yolov8";
 // "fit" may be "crop" or, where things are found, "pad".
+// A network of the task "match-words" has one of texts beside it:
+//   "text": { "network": "text.onnx", "merges": "bpe_simple_vocab_16e6.txt.gz",
+//             "vocabulary": "vocab.json", "tokens": "input_ids", "output": "text_embeds",
+//             "places": 77, "padding": 0, "phrases": ["a photo of a {}."] }
+// of which "network" and "merges" must be there.
 // Weights without their network (.pth, .safetensors) are of an "architecture": "inception-v3".
 struct ModelCard {
   std::string name;  // the weights file's name without its ending where the card gives none
@@ -71,8 +91,9 @@ struct ModelCard {
   Architecture architecture = Architecture::kOwn;
   std::string license;
   std::string source;
-  std::string sha256;              // of the weights file; empty: any file is taken
-  std::vector<std::string> notes;  // for people: how it was trained, how well it does
+  std::string sha256;               // of the weights file; empty: any file is taken
+  std::optional<TextNetwork> text;  // of kMatchWords alone
+  std::vector<std::string> notes;   // for people: how it was trained, how well it does
 
   // Fails, naming `origin` (the card's file) and the field, on anything missing, unknown or out of
   // range.

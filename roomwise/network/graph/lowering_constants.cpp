@@ -1,6 +1,7 @@
 // What is known beforehand: constants, shapes, casts; and what does nothing.
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "roomwise/network/graph/lowering.h"
 
@@ -93,8 +94,15 @@ Expected<std::vector<Number>> numbers_between(Number first, Number end, Number s
   constexpr double kMax = 1 << 24;
   if (!(count <= kMax)) return fail("asks for {} numbers", count);
   std::vector<Number> numbers;
-  for (std::int64_t i = 0; static_cast<double>(i) < count; ++i)
-    numbers.push_back(first + static_cast<Number>(i) * step);
+  for (std::int64_t i = 0; static_cast<double>(i) < count; ++i) {
+    if constexpr (std::is_integral_v<Number>) {  // without undefined overflow
+      numbers.push_back(
+          static_cast<Number>(static_cast<std::uint64_t>(first) +
+                              static_cast<std::uint64_t>(i) * static_cast<std::uint64_t>(step)));
+    } else {
+      numbers.push_back(first + static_cast<Number>(i) * step);
+    }
+  }
   return numbers;
 }
 

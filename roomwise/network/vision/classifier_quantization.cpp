@@ -31,9 +31,10 @@ Expected<QuantizedClassifier> quantize_classifier(const std::filesystem::path& w
                                                   std::size_t threads, const RunsDone& runs_done) {
   const auto in_file = [&](Error error) { return std::move(error).in(weights.string()); };
   ROOMWISE_TRY(const NetworkFile file, read_network_in_floats(weights));
-  if (finds_things(file.card.task))
-    return fail("{}: finds things in pictures; 8 bits are for networks that look at whole ones",
-                weights.string());
+  if (file.card.task != Task::kClassify)
+    return fail(
+        "{}: finds things or words in pictures; 8 bits are for networks that look at whole ones",
+        weights.string());
   ROOMWISE_TRY(const ClassifierOutputs outputs, classifier_outputs(file).map_error(in_file));
   if (pictures < kMinQuantizationPictures) {
     return fail("8 bits need at least {} pictures to be measured and checked on, not {}",

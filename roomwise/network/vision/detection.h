@@ -12,6 +12,7 @@ struct PixelBox {
   float left = 0, top = 0, right = 0, bottom = 0;
 
   [[nodiscard]] float area() const;
+  bool operator==(const PixelBox&) const = default;
 };
 // What both cover; of no area where they lie apart.
 [[nodiscard]] PixelBox intersection(const PixelBox& a, const PixelBox& b);

@@ -277,13 +277,44 @@ TEST(ModelCard, NamesTheFieldThatIsWrong) {
                "outputs.softmax");
   EXPECT_ERROR(parse(R"({"task": "dream", "input": {"width": 5, "height": 5}})"),
                "task: expected \"classify\" or \"nanodet-plus\" or \"yolox\" or \"yolov5\" or "
-               "\"yolov8\", not \"dream\"");
+               "\"yolov8\" or \"match-words\", not \"dream\"");
   EXPECT_ERROR(parse(R"({"task": "nanodet-plus",
                          "input": {"width": 5, "height": 5, "fit": "crop"}})"),
                "input.fit");
   EXPECT_ERROR(parse(R"({"input": {"width": 5, "height": 5}, "first_label": -1})"), "first_label");
   EXPECT_ERROR(parse(R"({"input": {"width": 5, "height": 5}, "architecture": "vgg"})"),
                "architecture: expected \"own\" or \"inception-v3\", not \"vgg\"");
+}
+
+TEST(ModelCard, OfWordsNamesTheNetworkOfTexts) {
+  const auto parse = [](const std::string& more) {
+    return ModelCard::parse(R"({"input": {"width": 5, "height": 5})" + more + "}", "c.card.json");
+  };
+  const auto card = parse(R"(, "task": "match-words", "text": {"network": "t.onnx", "merges": "m",
+      "vocabulary": "v.json", "tokens": "ids", "output": "e", "places": 16, "padding": 3,
+      "phrases": ["{}", "a {}"]})");
+  ASSERT_OK(card);
+  EXPECT_EQ(card->task, Task::kMatchWords);
+  EXPECT_FALSE(finds_things(card->task));
+  ASSERT_TRUE(card->text.has_value());
+  EXPECT_EQ(card->text->network, "t.onnx");
+  EXPECT_EQ(card->text->merges, "m");
+  EXPECT_EQ(card->text->vocabulary, "v.json");
+  EXPECT_EQ(card->text->tokens, "ids");
+  EXPECT_EQ(card->text->output, "e");
+  EXPECT_EQ(card->text->places, 16);
+  EXPECT_EQ(card->text->padding, 3);
+  EXPECT_THAT(card->text->phrases, ElementsAre("{}", "a {}"));
+  EXPECT_ERROR(parse(R"(, "task": "match-words")"), "text: expected { ... }");
+  EXPECT_ERROR(parse(R"(, "text": {"network": "t.onnx", "merges": "m"})"), "and only there");
+  const auto parse_text = [&](const std::string& text) {
+    return parse(R"(, "task": "match-words", "text": )" + text);
+  };
+  EXPECT_ERROR(parse_text(R"({"merges": "m"})"), "text.network");
+  EXPECT_ERROR(parse_text(R"({"network": "t"})"), "text.merges");
+  EXPECT_ERROR(parse_text(R"({"network": "t", "merges": "m", "places": 1})"), "text.places");
+  EXPECT_ERROR(parse_text(R"({"network": "t", "merges": "m", "phrases": ["a"]})"), "text.phrases");
+  EXPECT_ERROR(parse_text(R"({"network": "t", "merges": "m", "size": 1})"), "text.size");
 }
 
 // Those whose addresses the catalogue has are found by their published files' names.

@@ -75,6 +75,12 @@ Expected<std::unique_ptr<OnnxClassifier>> OnnxClassifier::create(
         "networks",
         weights.string());
   }
+  if (file.card.task == Task::kMatchWords) {
+    return fail(
+        "{}: compares pictures with words, by its card; here a network is wanted that looks at "
+        "pictures alone",
+        weights.string());
+  }
   ROOMWISE_TRY(ClassifierOutputs outputs, classifier_outputs(file).map_error(in_file));
   ExecutorOptions options;
   options.outputs = outputs.all();

@@ -105,7 +105,7 @@ std::vector<FileHere> weights_here(const std::vector<fs::path>& files) {
     std::error_code ignored;
     if (!network::has_ending_of_network(file) || !fs::exists(file, ignored)) continue;
     const auto card = network::find_model_card(file);
-    const bool is_named = card && !network::finds_things(card->task);
+    const bool is_named = card && card->task == network::Task::kClassify;
     here.emplace_back(file, is_named ? card->name : file.stem().string());
   }
   return here;
