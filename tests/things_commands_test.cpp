@@ -14,6 +14,7 @@
 #include "roomwise/home/home.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/network/testing/tiny_network.h"
+#include "roomwise/network/testing/word_networks.h"
 #include "roomwise/recording/tum_writer.h"
 #include "run_program.h"
 
@@ -133,6 +134,29 @@ class ThingsCommandsTest : public ::testing::Test {
   inline static std::unique_ptr<ScratchFolder> folder_;
   inline static json mapped_;
 };
+
+// ---- objects find-word ----
+
+TEST_F(ThingsCommandsTest, AWordThatNoLabelHasIsLookedForInPictures) {
+  const std::vector<std::string> look{"objects", "find-word", "red", "--home",
+                                      copy_of_home("words.home")};
+  EXPECT_THAT(run(look).errors,
+              AllOf(HasSubstr("no pair of networks that compares pictures with words is here"),
+                    HasSubstr(path("data/roomwise/networks"))));
+  const std::string networks = path("words/roomwise/networks");
+  std::filesystem::create_directories(networks);
+  ASSERT_OK(network::testing::write_word_networks(networks));
+  const json looked = testing::result_of(look, path("words"));
+  EXPECT_EQ(looked["word"], "red");
+  EXPECT_EQ(looked["found"].get<bool>(), looked["false_alarms"].get<double>() <= 0.02);
+  EXPECT_GT(looked["places"], 0);
+  EXPECT_EQ(looked["places"].get<int>() % 10, 0);
+  // By what is kept now.
+  EXPECT_EQ(testing::result_of(look, path("words")), looked);
+  EXPECT_THAT(testing::run_roomwise(look, path("words")).output,
+              HasSubstr(looked["found"].get<bool>() ? "red: found; likeliest in key-frame "
+                                                    : "red: not found; likeliest in key-frame "));
+}
 
 // ---- objects find ----
 

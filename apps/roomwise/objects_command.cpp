@@ -10,6 +10,8 @@
 #include "open_home.h"
 #include "pose_json.h"
 #include "roomwise/home/home.h"
+#include "roomwise/network/vision/open_vocabulary.h"
+#include "roomwise/pipeline/objects/find_word.h"
 #include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/pipeline/objects/keyframe_observer.h"
 #include "roomwise/pipeline/objects/proposal_detection.h"
@@ -362,6 +364,42 @@ Expected<Answer> tell_history(const ObjectHistoryOptions& options, Context& cont
   return answer;
 }
 
+// ---- objects find-word ----
+
+struct FindWordOptions {
+  std::filesystem::path home;
+  std::string word;
+};
+
+Expected<Answer> find_word(const FindWordOptions& options, Context& context) {
+  ROOMWISE_TRY(const auto networks, load_open_vocabulary());
+  ROOMWISE_TRY(home::Home home, open_home(options.home, context));
+  CommandRun run(context);
+  ROOMWISE_TRY(const auto looked_at, pipeline::word_places(home, *networks, run));
+  ROOMWISE_TRY(const auto found, pipeline::find_word(looked_at, *networks, options.word));
+  ROOMWISE_TRY(const Places places, Places::read(home));
+  const home::Keyframe& keyframe = places.keyframes.at(found.place.keyframe);
+  const std::string room = places.room_of(keyframe.id);
+  const network::PixelBox& box = found.place.box;
+  Answer answer;
+  answer.text = fmt::format(
+      "{}: {}; likeliest in key-frame {} (frame {}){}, at {:.0f} {:.0f} to {:.0f} {:.0f} px; of "
+      "things that are not there {:.0f} % would look as likely\n",
+      options.word, found.is_found ? "found" : "not found", keyframe.id, keyframe.frame_index,
+      room.empty() ? "" : ", " + room, box.left, box.top, box.right, box.bottom,
+      100 * found.false_alarms);
+  answer.json = {{"word", options.word},
+                 {"found", found.is_found},
+                 {"keyframe", keyframe.id},
+                 {"frame", keyframe.frame_index},
+                 {"room", word_or_null(room)},
+                 {"picture_box_px", {box.left, box.top, box.right, box.bottom}},
+                 {"above_usual", found.above_usual},
+                 {"false_alarms", found.false_alarms},
+                 {"places", looked_at.places.size()}};
+  return answer;
+}
+
 // Networks look at a home that was mapped without them, or with others; then all is joined anew.
 Expected<Answer> find(const ObjectsOptions& options, Context& context) {
   cv::setNumThreads(1);  // the threads are ours
@@ -436,6 +474,13 @@ void add_objects_commands(CLI::App& app, Context& context) {
       "roomwise objects history --home my.home chair", tell_history);
   history_command->add_option("--home", of_history.home, "Home file")->required();
   history_command->add_option("NAME", of_history.name, "Things of that name; default: all");
+  const auto [word_command, of_word] = add_command<FindWordOptions>(
+      *group, context, "find-word",
+      "Look in the pictures of a home for a thing whose word no label has, by a pair of networks "
+      "that compares pictures with words",
+      "roomwise objects find-word accordion --home my.home", find_word);
+  word_command->add_option("WORD", of_word.word, "A word, or a few, in English")->required();
+  word_command->add_option("--home", of_word.home, "Home file")->required();
   const auto [find_command, of_find] = add_objects_command(
       *group, context, "find",
       "Let the networks look at those key-frames that they have not seen, and find the objects "

@@ -1,0 +1,186 @@
+#include "roomwise/pipeline/objects/find_word.h"
+
+#include <algorithm>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "roomwise/base/median.h"
+#include "roomwise/base/spread.h"
+#include "roomwise/image/resample.h"
+#include "roomwise/pipeline/stored/keyframe_images.h"
+#include "roomwise/pipeline/stored/made_from.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+constexpr const char* kWordPlacesData = "word_places";
+constexpr std::size_t kNumbersOfAPlace = 5;  // key-frame, left, top, right, bottom
+
+std::string made_from(std::span<const home::Keyframe> keyframes,
+                      const network::OpenVocabulary& networks) {
+  MadeFrom from;
+  from.add("word places 1");
+  from.add(networks.fingerprint());
+  for (const home::Keyframe& keyframe : keyframes) from.add(keyframe.id);
+  return from.digest();
+}
+
+// All one after the other.
+nlohmann::json binary_of(std::span<const network::Embedding> embeddings) {
+  std::vector<std::uint8_t> bytes;
+  for (const network::Embedding& embedding : embeddings) {
+    const auto* begin = reinterpret_cast<const std::uint8_t*>(embedding.data());
+    bytes.insert(bytes.end(), begin, begin + embedding.size() * sizeof(float));
+  }
+  return nlohmann::json::binary(std::move(bytes));
+}
+
+// So many of so many numbers; none where the bytes are not as many.
+std::vector<network::Embedding> embeddings_from(const nlohmann::json& binary, std::size_t count,
+                                                std::size_t numbers) {
+  const auto& bytes = binary.get_binary();
+  const std::size_t each = numbers * sizeof(float);
+  std::vector<network::Embedding> embeddings;
+  if (bytes.size() != count * each) return embeddings;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::memcpy(embeddings.emplace_back(numbers).data(), bytes.data() + i * each, each);
+  }
+  return embeddings;
+}
+
+Bytes to_bytes(const WordPlaces& kept) {
+  nlohmann::json json{{"places", nlohmann::json::array()},
+                      {"embeddings", binary_of(kept.embeddings)},
+                      {"absent", binary_of(kept.absent)}};
+  for (const auto& [keyframe, box] : kept.places)
+    json["places"].push_back({keyframe, box.left, box.top, box.right, box.bottom});
+  return nlohmann::json::to_cbor(json);
+}
+
+// Nothing where the bytes are damaged: then they are made anew.
+std::optional<WordPlaces> from_bytes(const Bytes& bytes, std::size_t numbers) {
+  WordPlaces kept;
+  try {
+    const auto json = nlohmann::json::from_cbor(bytes);
+    for (const auto& one : json.at("places")) {
+      if (one.size() != kNumbersOfAPlace) return std::nullopt;
+      kept.places.push_back({one.at(0).get<home::KeyframeId>(),
+                             {one.at(1).get<float>(), one.at(2).get<float>(),
+                              one.at(3).get<float>(), one.at(4).get<float>()}});
+    }
+    kept.embeddings = embeddings_from(json.at("embeddings"), kept.places.size(), numbers);
+    kept.absent = embeddings_from(json.at("absent"), absent_things().size(), numbers);
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;
+  }
+  if (kept.embeddings.empty() || kept.absent.empty()) return std::nullopt;
+  return kept;
+}
+
+// All of a picture, and nine windows of half its sides.
+std::vector<network::PixelBox> places_of(const image::ColorImage& picture) {
+  const auto width = static_cast<float>(picture.width());
+  const auto height = static_cast<float>(picture.height());
+  std::vector<network::PixelBox> places{{0, 0, width, height}};
+  for (const float top : {0.F, 0.25F, 0.5F}) {
+    for (const float left : {0.F, 0.25F, 0.5F})
+      places.push_back({left * width, top * height, (left + 0.5F) * width, (top + 0.5F) * height});
+  }
+  return places;
+}
+
+Expected<WordPlaces> embed_places(const home::Keyframe& keyframe, const image::ColorImage& picture,
+                                  const network::OpenVocabulary& networks) {
+  WordPlaces made;
+  for (const network::PixelBox& box : places_of(picture)) {
+    const int left = static_cast<int>(box.left), top = static_cast<int>(box.top);
+    const int width = std::max(1, static_cast<int>(box.right) - left);
+    const int height = std::max(1, static_cast<int>(box.bottom) - top);
+    ROOMWISE_TRY(network::Embedding embedding,
+                 networks.embed(image::crop(picture, left, top, width, height)));
+    made.places.push_back({keyframe.id, box});
+    made.embeddings.push_back(std::move(embedding));
+  }
+  return made;
+}
+
+Expected<WordPlaces> embed_all(const home::Home& home, std::span<const home::Keyframe> keyframes,
+                               const network::OpenVocabulary& networks, RunContext& run) {
+  WordPlaces all;
+  for (const std::string_view thing : absent_things()) {
+    ROOMWISE_TRY(network::Embedding embedding, networks.embed(thing));
+    all.absent.push_back(std::move(embedding));
+  }
+  ROOMWISE_CHECK_OK(for_each_keyframe(
+      home, keyframes, "looking at the pictures for words", run,
+      [&](const home::Keyframe& keyframe, const DecodedImages& images) {
+        return embed_places(keyframe, images.color, networks);
+      },
+      [&](const home::Keyframe&, Expected<WordPlaces> made) -> Expected<void> {
+        if (!made) return Unexpected(std::move(made).error());
+        std::ranges::move(made->places, std::back_inserter(all.places));
+        std::ranges::move(made->embeddings, std::back_inserter(all.embeddings));
+        return {};
+      }));
+  return all;
+}
+
+// What all the words have in common.
+network::Embedding mean_of(std::span<const network::Embedding> words) {
+  network::Embedding mean(words.front().size(), 0);
+  for (const network::Embedding& word : words) {
+    for (std::size_t i = 0; i < mean.size(); ++i)
+      mean[i] += word[i] / static_cast<float>(words.size());
+  }
+  return mean;
+}
+
+// How much better than the median place the likeliest one fits a word, and which it is.
+std::pair<double, std::size_t> best_above_usual(network::Embedding word,
+                                                const network::Embedding& common,
+                                                const WordPlaces& places) {
+  for (std::size_t i = 0; i < word.size(); ++i) word[i] -= common[i];
+  std::vector<double> fits;
+  for (const network::Embedding& place : places.embeddings)
+    fits.push_back(network::similarity(word, place));
+  const auto best = std::ranges::max_element(fits);
+  const auto index = static_cast<std::size_t>(best - fits.begin());
+  const double most = *best;
+  return {most - median_of(fits), index};
+}
+
+}  // namespace
+
+Expected<WordPlaces> word_places(home::Home& home, const network::OpenVocabulary& networks,
+                                 RunContext& run) {
+  ROOMWISE_TRY(const auto all, home.keyframes());
+  if (all.empty()) return fail("{}: has no pictures of a walk to look for words in", home.file());
+  const std::vector<home::Keyframe> keyframes = spread_evenly(all, kWordPictures);
+  if (home.is_locked()) return Unexpected(home.locked_error());
+  if (home.is_protected()) return embed_all(home, keyframes, networks, run);
+  const std::string from = made_from(keyframes, networks);
+  ROOMWISE_TRY(const auto kept, home.derived_data(kWordPlacesData));
+  if (kept && kept->made_from == from) {
+    if (auto places = from_bytes(kept->data, networks.size())) return *std::move(places);
+  }
+  ROOMWISE_TRY(WordPlaces places, embed_all(home, keyframes, networks, run));
+  ROOMWISE_CHECK_OK(home.put_derived_data({kWordPlacesData, from, to_bytes(places)}));
+  return places;
+}
+
+Expected<FoundWord> find_word(const WordPlaces& places, const network::OpenVocabulary& networks,
+                              std::string_view word) {
+  ROOMWISE_TRY(const network::Embedding asked, networks.embed(word));
+  std::vector<network::Embedding> absent = places.absent;
+  std::erase(absent, asked);
+  const network::Embedding common = mean_of(absent);
+  const auto [above, best] = best_above_usual(asked, common, places);
+  std::size_t as_far = 1;  // itself, were it absent
+  for (const network::Embedding& other : absent) {
+    if (best_above_usual(other, common, places).first >= above) ++as_far;
+  }
+  const double share = static_cast<double>(as_far) / static_cast<double>(absent.size() + 1);
+  return FoundWord{places.places[best], above, share, share <= kWordFalseAlarms};
+}
+
+}  // namespace roomwise::pipeline

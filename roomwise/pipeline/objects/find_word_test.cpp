@@ -1,0 +1,123 @@
+#include "roomwise/pipeline/objects/find_word.h"
+
+#include <gtest/gtest.h>
+
+#include "roomwise/base/file.h"
+#include "roomwise/base/random.h"
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/fusion/testing/test_scenes.h"
+#include "roomwise/image/codec.h"
+#include "roomwise/network/testing/word_networks.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+// A home of light pictures, one of which shows something red in its lower right quarter.
+class FindWord : public ::testing::Test {
+ protected:
+  static constexpr std::size_t kPictures = 12, kRed = 7;
+
+  void SetUp() override {
+    ASSERT_OK(network::testing::write_word_networks(folder_.path()));
+    networks_ = network::OpenVocabulary::load(folder_ / "words.onnx").value();
+    const geometry::PinholeCamera camera = fusion::testing::small_camera();
+    home::MapCommit step;
+    step.recording = home_.add_recording({"walk", "", camera, kPictures}).value();
+    step.next_frame_index = kPictures;
+    RandomStream random(1);
+    for (std::size_t i = 0; i < kPictures; ++i) {
+      const auto light = [&] { return static_cast<std::uint8_t>(200 + random.index(56)); };
+      image::ColorImage color(camera.width, camera.height, Rgb8{light(), light(), light()});
+      for (int y = camera.height / 2; i == kRed && y < camera.height; ++y) {
+        for (int x = camera.width / 2; x < camera.width; ++x) color.at(x, y) = {255, 0, 0};
+      }
+      const auto time_ns = static_cast<TimestampNs>((i + 1) * 1'000'000'000);
+      const image::DepthImage depth(camera.width, camera.height);
+      step.keyframes.push_back(
+          {{i, i, time_ns}, {}, {image::encode_png(color), image::encode_png(depth)}, {}, {}});
+      step.frames.push_back({i, time_ns, home::FramePlace{i, {}}, ""});
+    }
+    ASSERT_OK(home_.commit(step));
+  }
+  WordPlaces places() { return word_places(home_, *networks_, run_).value(); }
+  FoundWord find(std::string_view word) { return find_word(places(), *networks_, word).value(); }
+
+  roomwise::testing::ScratchFolder folder_;
+  home::Home home_ = home::Home::create(folder_ / "a.home").value();
+  std::unique_ptr<network::OpenVocabulary> networks_;
+  SilentProgress silent_;
+  OwnRunContext run_{2, silent_};
+};
+
+TEST_F(FindWord, FindsWhatAPictureShowsAndWhere) {
+  const FoundWord red = find("red");
+  EXPECT_TRUE(red.is_found);
+  EXPECT_LE(red.false_alarms, kWordFalseAlarms);
+  EXPECT_EQ(red.place.keyframe, kRed);
+  const geometry::PinholeCamera camera = fusion::testing::small_camera();
+  const auto width = static_cast<float>(camera.width), height = static_cast<float>(camera.height);
+  EXPECT_EQ(red.place.box, (network::PixelBox{width / 2, height / 2, width, height}));
+  EXPECT_FALSE(find("green").is_found);
+  EXPECT_FALSE(find("blue").is_found);
+}
+
+// Words that mean something by chance, as those of absent things do here.
+TEST_F(FindWord, WordsOfAbsentThingsAreFoundAboutAsSeldomAsSaid) {
+  const WordPlaces looked_at = places();
+  RandomStream random(2);
+  int found = 0;
+  constexpr int kWords = 300;
+  for (int i = 0; i < kWords; ++i) {
+    std::string word;
+    for (std::size_t letters = 4 + random.index(8); letters > 0; --letters)
+      word += static_cast<char>('a' + random.index(26));
+    found += find_word(looked_at, *networks_, word)->is_found ? 1 : 0;
+  }
+  // Twice as many as expected would be three standard deviations.
+  EXPECT_LE(found, 2 * kWordFalseAlarms * kWords);
+  EXPECT_FALSE(find_word(looked_at, *networks_, absent_things().front())->is_found);
+}
+
+TEST_F(FindWord, WhatWasSeenIsKeptUntilTheNetworksAreOthers) {
+  const WordPlaces first = places();
+  EXPECT_EQ(first.places.size(), 10 * kPictures);
+  EXPECT_EQ(first.absent.size(), absent_things().size());
+  const auto kept = home_.derived_data("word_places").value();
+  ASSERT_TRUE(kept.has_value());
+  const WordPlaces again = places();
+  EXPECT_EQ(again.places, first.places);
+  EXPECT_EQ(again.embeddings, first.embeddings);
+  EXPECT_EQ(again.absent, first.absent);
+  // Damaged bytes are made anew.
+  home::DerivedData damaged = *kept;
+  damaged.data.resize(damaged.data.size() / 2);
+  ASSERT_OK(home_.put_derived_data(damaged));
+  EXPECT_EQ(places().embeddings, first.embeddings);
+  EXPECT_EQ(home_.derived_data("word_places").value(), kept);
+  std::string card = network::testing::kWordCard;
+  ASSERT_OK(write_file(folder_ / "words.card.json", card.replace(card.find("{}\"]"), 2, "a {}")));
+  networks_ = network::OpenVocabulary::load(folder_ / "words.onnx").value();
+  EXPECT_NE(places().absent, first.absent);
+  EXPECT_NE(home_.derived_data("word_places").value()->made_from, kept->made_from);
+}
+
+// Without its passphrase nobody shall ask what its pictures show.
+TEST_F(FindWord, OfAProtectedHomeNothingIsKept) {
+  const WordPlaces first = places();
+  const auto secret = home::Passphrase::from("open sesame");
+  ASSERT_OK(secret);
+  ASSERT_OK(home_.protect(*secret, {.passes = 1, .memory_bytes = 8192}));
+  EXPECT_FALSE(home_.derived_data("word_places").value().has_value());
+  EXPECT_EQ(places().embeddings, first.embeddings);
+  EXPECT_FALSE(home_.derived_data("word_places").value().has_value());
+  const home::Home locked = home::Home::open_read_only(home_.file()).value();
+  EXPECT_TRUE(locked.is_locked());
+}
+
+TEST_F(FindWord, AHomeWithoutPicturesHasNone) {
+  home::Home empty = home::Home::create(folder_ / "empty.home").value();
+  EXPECT_ERROR(word_places(empty, *networks_, run_), "no pictures of a walk");
+}
+
+}  // namespace
+}  // namespace roomwise::pipeline
