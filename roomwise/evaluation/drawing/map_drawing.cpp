@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kMapJpegQuality = 85;
-constexpr double kLegendRow = 40;  // px
+constexpr double kLegendRow_px = 40;  // px
 
 // How the walk through a room is drawn.
 struct RoomStyle {
@@ -181,7 +181,7 @@ std::vector<LegendEntry> lay_out_legend(const RoomStyles& styles,
   Vector2d place = start;
   for (LegendEntry& entry : entries) {
     const double entry_width = 110 + LabelSpace::width_of(entry.style->name, 20);
-    if (place.x() + entry_width > width && place.x() > 24) place = {24, place.y() + kLegendRow};
+    if (place.x() + entry_width > width && place.x() > 24) place = {24, place.y() + kLegendRow_px};
     entry.place = place;
     place.x() += entry_width;
   }
@@ -203,11 +203,11 @@ SvgDrawing draw_map(const TopView& view, std::span<const MapKeyFrame> key_frames
                     std::span<const MapObject> objects) {
   const Vector2d picture_size(view.picture.width(), view.picture.height());
   const RoomStyles styles(key_frames);
-  const Vector2d ruler_start(24, picture_size.y() + kLegendRow / 2 + 6);
+  const Vector2d ruler_start(24, picture_size.y() + kLegendRow_px / 2 + 6);
   const auto legend = lay_out_legend(styles, key_frames, picture_size.x(),
                                      ruler_start + Vector2d(view.pixels_per_metre + 90, 0));
   const double bottom =
-      (legend.empty() ? ruler_start.y() : legend.back().place.y()) + kLegendRow - 10;
+      (legend.empty() ? ruler_start.y() : legend.back().place.y()) + kLegendRow_px - 10;
 
   SvgDrawing drawing(picture_size.x(), bottom,
                      fmt::format("Map from above: {} key-frames, {} named rooms, objects: {}",
