@@ -372,22 +372,27 @@ struct FindWordOptions {
 };
 
 Expected<Answer> find_word(const FindWordOptions& options, Context& context) {
+  if (options.word.find_first_not_of(" \t\n") == std::string::npos) {
+    return fail("the word is empty; give what is looked for: roomwise objects find-word accordion");
+  }
   ROOMWISE_TRY(const auto networks, load_open_vocabulary());
+  ROOMWISE_TRY(const network::Embedding word, networks->embed(options.word));
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   CommandRun run(context);
   ROOMWISE_TRY(const auto looked_at, pipeline::word_places(home, *networks, run));
-  ROOMWISE_TRY(const auto found, pipeline::find_word(looked_at, *networks, options.word));
+  const pipeline::FoundWord found = pipeline::find_word(looked_at, word);
   ROOMWISE_TRY(const Places places, Places::read(home));
   const home::Keyframe& keyframe = places.keyframes.at(found.place.keyframe);
   const std::string room = places.room_of(keyframe.id);
   const network::PixelBox& box = found.place.box;
+  const std::size_t pictures = std::min(places.keyframes.size(), pipeline::kWordPictures);
   Answer answer;
   answer.text = fmt::format(
-      "{}: {}; likeliest in key-frame {} (frame {}){}, at {:.0f} {:.0f} to {:.0f} {:.0f} px; of "
-      "things that are not there {:.0f} % would look as likely\n",
-      options.word, found.is_found ? "found" : "not found", keyframe.id, keyframe.frame_index,
-      room.empty() ? "" : ", " + room, box.left, box.top, box.right, box.bottom,
-      100 * found.false_alarms);
+      "{}: {} in {} of {} pictures; likeliest in key-frame {} (frame {}){}, at {:.0f} {:.0f} to "
+      "{:.0f} {:.0f} px; of {} things that hardly any home has {:.0f} % look as likely\n",
+      options.word, found.is_found ? "found" : "not found", pictures, places.keyframes.size(),
+      keyframe.id, keyframe.frame_index, room.empty() ? "" : ", " + room, box.left, box.top,
+      box.right, box.bottom, pipeline::absent_things().size(), 100 * found.false_alarms);
   answer.json = {{"word", options.word},
                  {"found", found.is_found},
                  {"keyframe", keyframe.id},
@@ -396,7 +401,9 @@ Expected<Answer> find_word(const FindWordOptions& options, Context& context) {
                  {"picture_box_px", {box.left, box.top, box.right, box.bottom}},
                  {"above_usual", found.above_usual},
                  {"false_alarms", found.false_alarms},
-                 {"places", looked_at.places.size()}};
+                 {"places", looked_at.places.size()},
+                 {"pictures", pictures},
+                 {"pictures_of_home", places.keyframes.size()}};
   return answer;
 }
 

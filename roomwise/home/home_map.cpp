@@ -442,6 +442,8 @@ Expected<void> Home::cull_keyframes(const KeyframeCulling& culling) {
       if (sqlite3_changes(database_.handle()) == 0)
         return fail("{}: has no key-frame {}", file(), id);
     }
+    // What was seen in their pictures goes with them.
+    ROOMWISE_CHECK_OK(database_.run("DELETE FROM derived_data WHERE name = 'word_places'"));
     return renumber_keyframes();
   });
 }

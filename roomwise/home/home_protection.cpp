@@ -72,9 +72,9 @@ Expected<std::size_t> Home::protect(const Passphrase& passphrase, const Passphra
     return 0;
   }
   ROOMWISE_CHECK_OK(begin_protection(passphrase, ProtectionState::kSealing, cost));
-  ROOMWISE_TRY(const std::size_t count, convert_pictures(/*to_sealed=*/true));
   // By these anybody could ask what the pictures show.
   ROOMWISE_CHECK_OK(database_.run("DELETE FROM derived_data WHERE name = 'word_places'"));
+  ROOMWISE_TRY(const std::size_t count, convert_pictures(/*to_sealed=*/true));
   // Only once nothing of them is left in the file are they said to be sealed.
   ROOMWISE_CHECK_OK(erase_removed());
   ROOMWISE_CHECK_OK(begin_protection(passphrase, ProtectionState::kSealed, cost));

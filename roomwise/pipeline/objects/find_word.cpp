@@ -1,9 +1,13 @@
 #include "roomwise/pipeline/objects/find_word.h"
 
+#include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <set>
 
+#include "roomwise/base/in_context.h"
 #include "roomwise/base/median.h"
 #include "roomwise/base/spread.h"
 #include "roomwise/image/resample.h"
@@ -19,9 +23,13 @@ constexpr std::size_t kNumbersOfAPlace = 5;  // key-frame, left, top, right, bot
 std::string made_from(std::span<const home::Keyframe> keyframes,
                       const network::OpenVocabulary& networks) {
   MadeFrom from;
-  from.add("word places 1");
+  from.add("word places 2");
   from.add(networks.fingerprint());
-  for (const home::Keyframe& keyframe : keyframes) from.add(keyframe.id);
+  for (const home::Keyframe& keyframe : keyframes) {
+    from.add(keyframe.id);
+    from.add(static_cast<std::uint64_t>(keyframe.recording));
+    from.add(keyframe.frame_index);
+  }
   return from.digest();
 }
 
@@ -57,8 +65,17 @@ Bytes to_bytes(const WordPlaces& kept) {
   return nlohmann::json::to_cbor(json);
 }
 
+bool are_finite(std::span<const network::Embedding> embeddings) {
+  return std::ranges::all_of(embeddings, [](const network::Embedding& one) {
+    return std::ranges::all_of(one, [](float number) { return std::isfinite(number); });
+  });
+}
+
 // Nothing where the bytes are damaged: then they are made anew.
-std::optional<WordPlaces> from_bytes(const Bytes& bytes, std::size_t numbers) {
+std::optional<WordPlaces> from_bytes(const Bytes& bytes, std::span<const home::Keyframe> keyframes,
+                                     std::size_t numbers) {
+  std::set<home::KeyframeId> known;
+  for (const home::Keyframe& keyframe : keyframes) known.insert(keyframe.id);
   WordPlaces kept;
   try {
     const auto json = nlohmann::json::from_cbor(bytes);
@@ -67,6 +84,7 @@ std::optional<WordPlaces> from_bytes(const Bytes& bytes, std::size_t numbers) {
       kept.places.push_back({one.at(0).get<home::KeyframeId>(),
                              {one.at(1).get<float>(), one.at(2).get<float>(),
                               one.at(3).get<float>(), one.at(4).get<float>()}});
+      if (!known.contains(kept.places.back().keyframe)) return std::nullopt;
     }
     kept.embeddings = embeddings_from(json.at("embeddings"), kept.places.size(), numbers);
     kept.absent = embeddings_from(json.at("absent"), absent_things().size(), numbers);
@@ -74,6 +92,7 @@ std::optional<WordPlaces> from_bytes(const Bytes& bytes, std::size_t numbers) {
     return std::nullopt;
   }
   if (kept.embeddings.empty() || kept.absent.empty()) return std::nullopt;
+  if (!are_finite(kept.embeddings) || !are_finite(kept.absent)) return std::nullopt;
   return kept;
 }
 
@@ -107,19 +126,25 @@ Expected<WordPlaces> embed_places(const home::Keyframe& keyframe, const image::C
 Expected<WordPlaces> embed_all(const home::Home& home, std::span<const home::Keyframe> keyframes,
                                const network::OpenVocabulary& networks, RunContext& run) {
   WordPlaces all;
-  for (const std::string_view thing : absent_things()) {
-    ROOMWISE_TRY(network::Embedding embedding, networks.embed(thing));
-    all.absent.push_back(std::move(embedding));
-  }
+  const std::span<const std::string_view> absent = absent_things();
+  ROOMWISE_CHECK_OK(in_blocks(
+      absent.size(), "reading words of absent things", run,
+      [&](std::size_t i) -> Expected<std::string_view> { return absent[i]; },
+      [&](std::size_t, const std::string_view& thing) { return networks.embed(thing); },
+      [&](std::size_t, network::Embedding embedding) -> Expected<void> {
+        all.absent.push_back(std::move(embedding));
+        return {};
+      }));
   ROOMWISE_CHECK_OK(for_each_keyframe(
       home, keyframes, "looking at the pictures for words", run,
       [&](const home::Keyframe& keyframe, const DecodedImages& images) {
         return embed_places(keyframe, images.color, networks);
       },
-      [&](const home::Keyframe&, Expected<WordPlaces> made) -> Expected<void> {
-        if (!made) return Unexpected(std::move(made).error());
-        std::ranges::move(made->places, std::back_inserter(all.places));
-        std::ranges::move(made->embeddings, std::back_inserter(all.embeddings));
+      [&](const home::Keyframe& keyframe, Expected<WordPlaces> made) -> Expected<void> {
+        ROOMWISE_TRY(const WordPlaces seen,
+                     in_context(fmt::format("key-frame {}", keyframe.id), std::move(made)));
+        std::ranges::copy(seen.places, std::back_inserter(all.places));
+        std::ranges::copy(seen.embeddings, std::back_inserter(all.embeddings));
         return {};
       }));
   return all;
@@ -161,19 +186,19 @@ Expected<WordPlaces> word_places(home::Home& home, const network::OpenVocabulary
   const std::string from = made_from(keyframes, networks);
   ROOMWISE_TRY(const auto kept, home.derived_data(kWordPlacesData));
   if (kept && kept->made_from == from) {
-    if (auto places = from_bytes(kept->data, networks.size())) return *std::move(places);
+    if (auto places = from_bytes(kept->data, keyframes, networks.size())) return *std::move(places);
   }
   ROOMWISE_TRY(WordPlaces places, embed_all(home, keyframes, networks, run));
   ROOMWISE_CHECK_OK(home.put_derived_data({kWordPlacesData, from, to_bytes(places)}));
   return places;
 }
 
-Expected<FoundWord> find_word(const WordPlaces& places, const network::OpenVocabulary& networks,
-                              std::string_view word) {
-  ROOMWISE_TRY(const network::Embedding asked, networks.embed(word));
+FoundWord find_word(const WordPlaces& places, const network::Embedding& asked) {
   std::vector<network::Embedding> absent = places.absent;
   std::erase(absent, asked);
+  absent.push_back(asked);  // among them, so that it is treated as they are
   const network::Embedding common = mean_of(absent);
+  absent.pop_back();
   const auto [above, best] = best_above_usual(asked, common, places);
   std::size_t as_far = 1;  // itself, were it absent
   for (const network::Embedding& other : absent) {

@@ -51,11 +51,9 @@ struct FoundWord {
 // It is found where at most this share of absent words would be.
 constexpr double kWordFalseAlarms = 0.02;
 
-// places: at least one. Absent words: of things that hardly any home has (absent_things()), without
-// the word itself.
-[[nodiscard]] Expected<FoundWord> find_word(const WordPlaces& places,
-                                            const network::OpenVocabulary& networks,
-                                            std::string_view word);
+// places: at least one. word: what the networks say of it, by which the places were seen. Absent
+// words: of things that hardly any home has (absent_things()), without the word itself.
+[[nodiscard]] FoundWord find_word(const WordPlaces& places, const network::Embedding& word);
 
 // Names of things that hardly any home has, in English.
 [[nodiscard]] std::span<const std::string_view> absent_things();
