@@ -205,10 +205,11 @@ Kernel lookup_kernel(const Lookup& lookup, const Shape& shape, std::size_t count
                      const std::string& node) {
   const BlockedShape table = BlockedShape::around(shape, lookup.axis);
   return [table, count, node](std::span<const float* const> inputs, float* to) -> Expected<void> {
-    const auto size = static_cast<float>(table.channels);
+    // With 53 bits, so that the sum of both is exact.
+    const auto size = static_cast<double>(table.channels);
     for (std::size_t i = 0; i < table.outer * count; ++i) {
-      const float index = inputs[1][i % count];
-      if (!(index >= -size && index < size))
+      const double index = inputs[1][i % count];
+      if (!(index >= -size && index < size) || index != std::trunc(index))
         return fail("node \"{}\": there is no index {} among {}", node, index, table.channels);
       const auto row = static_cast<std::size_t>(index < 0 ? index + size : index);
       const float* from = inputs[0] + (i / count * table.channels + row) * table.inner;
