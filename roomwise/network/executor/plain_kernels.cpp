@@ -1,6 +1,7 @@
 #include "roomwise/network/executor/plain_kernels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -42,25 +43,44 @@ void gather_block(std::span<const Run> runs, float* to, std::size_t places, std:
   }
 }
 
-// An output's shape, and how far apart neighbours along its axes lie in two operands.
+// An output's shape, and how far apart neighbours along its axes lie in each operand.
+template <std::size_t kOperands>
 struct Broadcast {
   Shape shape;
-  std::vector<std::size_t> strides_of_a, strides_of_b;
+  std::array<std::vector<std::size_t>, kOperands> strides;
 };
 
-// Writes the slice of an output that begins at `to`, from one axis on; gives its end.
-float* apply_along(const Broadcast& along, std::size_t axis, Arithmetic::Operator operation,
-                   const float* a, const float* b, float* to) {
-  const auto size = static_cast<std::size_t>(along.shape[axis]);
-  const std::size_t step_of_a = along.strides_of_a[axis], step_of_b = along.strides_of_b[axis];
-  if (axis + 1 == along.shape.size()) {
-    for (std::size_t i = 0; i < size; ++i)
-      to[i] = apply(operation, a[i * step_of_a], b[i * step_of_b]);
-    return to + size;
+// Writes the slice of an output that begins at `to`, from one axis on; gives its end. function:
+// of where the operands' numbers are.
+template <std::size_t kOperands, typename Function>
+float* apply_along(const Broadcast<kOperands>& along, std::size_t axis, const Function& function,
+                   std::array<const float*, kOperands> from, float* to) {
+  const bool is_last = axis + 1 == along.shape.size();
+  for (std::int64_t i = 0; i < along.shape[axis]; ++i) {
+    if (is_last) {
+      *to++ = function(from);
+    } else {
+      to = apply_along(along, axis + 1, function, from, to);
+    }
+    for (std::size_t k = 0; k < kOperands; ++k) from[k] += along.strides[k][axis];
   }
-  for (std::size_t i = 0; i < size; ++i)
-    to = apply_along(along, axis + 1, operation, a + i * step_of_a, b + i * step_of_b, to);
   return to;
+}
+
+// One number of the output from one of each operand, all broadcast.
+template <std::size_t kOperands, typename Function>
+Kernel broadcast_kernel(const std::array<Shape, kOperands>& operands, const Shape& output,
+                        const Function& function) {
+  Broadcast<kOperands> along;
+  along.shape = output.empty() ? Shape{1} : output;  // a single number is a row too
+  for (std::size_t k = 0; k < kOperands; ++k)
+    along.strides[k] = broadcast_strides(operands[k], along.shape);
+  return [along, function](std::span<const float* const> inputs, float* to) -> Expected<void> {
+    std::array<const float*, kOperands> from{};
+    std::copy_n(inputs.begin(), kOperands, from.begin());
+    apply_along(along, 0, function, from, to);
+    return {};
+  };
 }
 
 }  // namespace
@@ -155,12 +175,9 @@ Kernel resampling_kernel(const Resampling& resampling, const Shape& shape, std::
 
 Kernel arithmetic_kernel(Arithmetic::Operator operation, const Shape& a, const Shape& b,
                          const Shape& output) {
-  const Shape shape = output.empty() ? Shape{1} : output;  // a single number is a row too
-  const Broadcast along{shape, broadcast_strides(a, shape), broadcast_strides(b, shape)};
-  return [operation, along](std::span<const float* const> inputs, float* to) -> Expected<void> {
-    apply_along(along, 0, operation, inputs[0], inputs[1], to);
-    return {};
-  };
+  return broadcast_kernel<2>({a, b}, output, [operation](const auto& from) {
+    return apply(operation, *from[0], *from[1]);
+  });
 }
 
 Kernel mean_kernel(const Mean& mean, const Shape& shape) {
@@ -191,14 +208,8 @@ Kernel erf_kernel(const Shape& shape) {
 
 Kernel selection_kernel(const Shape& condition, const Shape& a, const Shape& b,
                         const Shape& output) {
-  return [of_condition = offsets(output, broadcast_strides(condition, output)),
-          of_a = offsets(output, broadcast_strides(a, output)),
-          of_b = offsets(output, broadcast_strides(b, output))](
-             std::span<const float* const> inputs, float* to) -> Expected<void> {
-    for (std::size_t i = 0; i < of_condition.size(); ++i)
-      to[i] = inputs[0][of_condition[i]] != 0 ? inputs[1][of_a[i]] : inputs[2][of_b[i]];
-    return {};
-  };
+  return broadcast_kernel<3>({condition, a, b}, output,
+                             [](const auto& from) { return *from[0] != 0 ? *from[1] : *from[2]; });
 }
 
 Kernel lookup_kernel(const Lookup& lookup, const Shape& shape, std::size_t count,

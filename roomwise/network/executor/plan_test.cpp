@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include "roomwise/network/executor/plan_builder.h"
 
@@ -14,6 +15,17 @@ TEST(Plan, BlocksAreAsWideAsRegisters) {
                              cpu_isa::avx512_core_bf16, cpu_isa::avx512_core_amx}) {
     EXPECT_EQ(channels_in_block(wide), 16u) << static_cast<unsigned>(wide);
   }
+}
+
+// A plan's memory is counted by its tensors.
+TEST(Plan, SelectionsKeepNoTables) {
+  const auto held = [] {
+    const struct mallinfo2 heap = mallinfo2();
+    return heap.uordblks + heap.hblkhd;
+  };
+  const std::size_t before = held();
+  const Kernel kernel = selection_kernel({1024, 1}, {1, 1024}, {}, {1024, 1024});
+  EXPECT_LT(held(), before + (1 << 16));
 }
 
 }  // namespace
