@@ -94,6 +94,11 @@ Expected<ValueId> Lowering::add(decltype(Layer::operation) operation, std::vecto
   return output;
 }
 
+Expected<void> Lowering::check_written(std::size_t more) const {
+  if (written_ + more > max_written_) return fail("asks for more constants than any network needs");
+  return {};
+}
+
 ValueId Lowering::add_constant(Constant constant) {
   written_ += constant.size();
   Shape shape = constant.shape;
@@ -120,6 +125,7 @@ Expected<ValueId> Lowering::pick(ValueId value, std::size_t axis,
   picked[axis] = static_cast<std::int64_t>(indices.size());
   ROOMWISE_CHECK_OK(check_size(picked));
   if (constant(value) != nullptr) {
+    ROOMWISE_CHECK_OK(check_written(count_of(picked)));
     return add_constant(network::pick(*constant(value), axis, indices));
   }
   AxisGather gather;
@@ -171,6 +177,7 @@ Expected<ValueId> Lowering::expand(ValueId value, const Shape& wanted) {
   ROOMWISE_TRY(value, with_rank(value, result.size()));
   for (std::size_t axis = 0; axis < result.size(); ++axis) {
     if (shape(value)[axis] == result[axis]) continue;
+    ROOMWISE_CHECK_OK(check_written(static_cast<std::size_t>(result[axis])));
     const std::vector<std::size_t> repeated(static_cast<std::size_t>(result[axis]), 0);
     ROOMWISE_TRY(value, pick(value, axis, repeated));
   }
@@ -256,12 +263,10 @@ Expected<Program> Lowering::run(std::span<const Shape> input_shapes,
     program_.inputs.push_back(program_.values.size() - 1);
     values_[graph_.inputs[i].name] = program_.inputs.back();
   }
-  // A small file can ask for more than any memory holds.
-  std::size_t max_written = std::size_t{1} << 24;
-  for (const auto& [name, constant] : graph_.constants) max_written += 4 * constant->size();
+  for (const auto& [name, constant] : graph_.constants) max_written_ += 4 * constant->size();
   for (const Node& node : graph_.nodes) {
     ROOMWISE_CHECK_OK(lower_node(node));
-    if (written_ > max_written) return fail("asks for more constants than any network needs");
+    ROOMWISE_CHECK_OK(check_written());
   }
   for (const std::string& name :
        outputs.empty() ? std::span<const std::string>(graph_.outputs) : outputs) {

@@ -69,6 +69,9 @@ class Lowering {
   // The mean over axes, which stay with the size 1.
   [[nodiscard]] Expected<ValueId> mean(ValueId value, std::vector<std::size_t> axes);
   [[nodiscard]] Expected<ValueId> permute(ValueId value, const std::vector<std::size_t>& axes);
+  // Fails where so many numbers or slices more than were written down so far are more than any
+  // network needs: a small file can ask for more than any memory holds.
+  [[nodiscard]] Expected<void> check_written(std::size_t more = 0) const;
   // Says what the node's output i is.
   void set_output(const Node& node, std::size_t i, ValueId value);
 
@@ -83,6 +86,7 @@ class Lowering {
   const OnnxGraph& graph_;
   bool fold_constants_;
   std::size_t written_ = 0;  // numbers and slices that were written down so far
+  std::size_t max_written_ = std::size_t{1} << 24;
   Program program_;
   std::map<std::string, ValueId> values_;
   std::string node_;

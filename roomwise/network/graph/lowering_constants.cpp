@@ -39,6 +39,7 @@ Expected<ValueId> lower_constant_of_shape(Lowering& lowering, const Node& node) 
   Constant constant;
   ROOMWISE_TRY(constant.shape, lowering.integers_input(node, 0));
   ROOMWISE_CHECK_OK(check_size(constant.shape));
+  ROOMWISE_CHECK_OK(lowering.check_written(count_of(constant.shape)));
   const Attribute* value = node.find("value");
   const Constant zero{{}, false, {0}, {}};
   const Constant& one = value != nullptr && value->tensor != nullptr ? *value->tensor : zero;

@@ -152,6 +152,16 @@ TEST(OnnxGraph, RefusesToGrowWithoutEnd) {
     graph.nodes.push_back(layer("Concat", {from, from}, {to}, {attribute("axis", 0)}));
   }
   EXPECT_ERROR(load(onnx(graph)), "more constants than any network needs");
+  // A single node that does is named, since it is refused before it is worked out.
+  for (const char* from : {"number", "picture"}) {
+    graph.nodes = {layer("Expand", {from, "size"}, {"c0"})};
+    graph.constants = {tensor("size", {3}, std::vector<std::int64_t>{1 << 26, 1, 1}),
+                       tensor("number", {}, std::vector<std::int64_t>{1})};
+    graph.input = {1, 1, 1};
+    EXPECT_ERROR(load(onnx(graph)), "(Expand, opset 11): asks for more constants than any");
+  }
+  graph.nodes = {layer("ConstantOfShape", {"size"}, {"c0"})};
+  EXPECT_ERROR(load(onnx(graph)), "(ConstantOfShape, opset 11): asks for more constants than any");
 }
 
 }  // namespace
