@@ -578,6 +578,20 @@ TEST(Operators, MasksKnownBeforehand) {
   EXPECT_ERROR(load(onnx(ranges)), "its step is 0");
 }
 
+// Steps that lead beyond 64 bits on the way.
+TEST(Operators, RangesOfLargeNumbers) {
+  constexpr std::int64_t kFar = 9'000'000'000'000'000'000;
+  const TinyGraph graph{
+      {layer("Range", {"first", "end", "step"}, {"far"}), layer("Div", {"far", "unit"}, {"near"}),
+       layer("Cast", {"near"}, {"numbers"}, {attribute("to", 1)}),
+       layer("Add", {"picture", "numbers"}, {"out"})},
+      {tensor("first", {}, Integers{-kFar}), tensor("end", {}, Integers{kFar}),
+       tensor("step", {}, Integers{kFar / 3 * 2}), tensor("unit", {}, Integers{kFar / 3})},
+      {3},
+      {{"out", {}}}};
+  EXPECT_THAT(values_of(graph, {0, 0, 0}), ElementsAre(-3, -1, 1));
+}
+
 TEST(Operators, Expansions) {
   const auto expand = [](Integers shape) {
     return one_node("Expand", {1, 2, 1}, {}, {"s"},
