@@ -1,7 +1,7 @@
 #include "roomwise/network/formats/clip_tokenizer.h"
 
-#include <locale.h>
-#include <wctype.h>
+#include <unicode/locid.h>
+#include <unicode/regex.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -19,59 +19,10 @@ constexpr const char* kBegin = "<|startoftext|>";
 constexpr const char* kEnd = "<|endoftext|>";
 constexpr const char* kEndOfWord = "</w>";
 
-// What a text is made of.
-enum class Kind { kSpace, kLetter, kDigit, kOther };
-
-// Letters by Unicode, whatever the locale of the program is; absent where the system has none.
-locale_t unicode() {
-  static const locale_t locale = newlocale(LC_CTYPE_MASK, "C.UTF-8", nullptr);
-  return locale;
-}
-
-Kind kind_of(char32_t character) {
-  const auto within = [&](char32_t first, char32_t last) {
-    return character >= first && character <= last;
-  };
-  if (within('0', '9') || within(0xB2, 0xB3) || character == 0xB9 || within(0xBC, 0xBE) ||
-      within(0x2070, 0x2089) || within(0x2150, 0x2189) || within(0x2460, 0x249B)) {
-    return Kind::kDigit;
-  }
-  const auto wide = static_cast<wint_t>(character);
-  if (character == 0xA0 || iswspace_l(wide, unicode()) != 0) return Kind::kSpace;
-  return iswalpha_l(wide, unicode()) != 0 ? Kind::kLetter : Kind::kOther;
-}
-
-// Takes one character off the text; a byte that begins none is U+FFFD.
-char32_t take_character(std::string_view& text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  const std::size_t length = first < 0x80                    ? 1
-                             : first >= 0xC2 && first < 0xE0 ? 2
-                             : first >= 0xE0 && first < 0xF0 ? 3
-                             : first >= 0xF0 && first < 0xF5 ? 4
-                                                             : 0;
-  bool is_whole = length > 0 && length <= text.size();
-  for (std::size_t i = 1; is_whole && i < length; ++i) is_whole = (byte(i) & 0xC0U) == 0x80;
-  if (!is_whole) {
-    text.remove_prefix(1);
-    return 0xFFFD;
-  }
-  constexpr std::array<unsigned, 5> kFirstBits{0, 0x7F, 0x1F, 0x0F, 0x07};
-  char32_t character = first & kFirstBits.at(length);
-  for (std::size_t i = 1; i < length; ++i) character = character << 6U | (byte(i) & 0x3FU);
-  text.remove_prefix(length);
-  return character;
-}
-
-void add_utf8(char32_t character, std::string& text) {
-  const auto bits = static_cast<unsigned>(character);
-  const auto add = [&](unsigned byte) { text += static_cast<char>(byte); };
-  if (bits < 0x80) return add(bits);
-  const unsigned further = bits < 0x800 ? 1 : bits < 0x10000 ? 2 : 3;
-  constexpr std::array<unsigned, 4> kFirst{0, 0xC0, 0xE0, 0xF0};
-  add(kFirst.at(further) | bits >> 6 * further);
-  for (unsigned i = further; i-- > 0;) add(0x80U | (bits >> 6 * i & 0x3FU));
-}
+// A text's words, as OpenAI's CLIP writes them down: contractions, letters, single digits, and what
+// else stands together.
+constexpr const char16_t* kWords =
+    uR"('s|'t|'re|'ve|'m|'ll|'d|\p{L}+|\p{N}|[^\p{White_Space}\p{L}\p{N}]+)";
 
 bool is_visible(std::size_t byte) {
   return (byte >= '!' && byte <= '~') || (byte >= 0xA1 && byte != 0xAD);
@@ -82,41 +33,26 @@ bool is_visible(std::size_t byte) {
 const std::array<std::string, 256>& visible_bytes() {
   static const std::array<std::string, 256> letters = [] {
     std::array<std::string, 256> made;
-    char32_t next = 0x100;
-    for (char32_t byte = 0; byte < 256; ++byte)
-      add_utf8(is_visible(byte) ? byte : next++, made.at(byte));
+    UChar32 next = 0x100;
+    for (UChar32 byte = 0; byte < 256; ++byte) {
+      const UChar32 letter = is_visible(static_cast<std::size_t>(byte)) ? byte : next++;
+      icu::UnicodeString(letter).toUTF8String(made.at(static_cast<std::size_t>(byte)));
+    }
     return made;
   }();
   return letters;
 }
 
-// The words of a text in small letters: contractions, letters, single digits, and what else stands
-// together.
-std::vector<std::string> words_of(std::string_view utf8) {
-  std::u32string text;
-  while (!utf8.empty()) {
-    const char32_t character = take_character(utf8);
-    text += static_cast<char32_t>(towlower_l(static_cast<wint_t>(character), unicode()));
-  }
-  constexpr std::array<std::u32string_view, 7> kContractions{U"'s", U"'t",  U"'re", U"'ve",
-                                                             U"'m", U"'ll", U"'d"};
+// In small letters.
+Expected<std::vector<std::string>> words_of(std::string_view utf8) {
+  icu::UnicodeString text = icu::UnicodeString::fromUTF8(utf8);
+  text.toLower(icu::Locale::getRoot());
+  UErrorCode error = U_ZERO_ERROR;
+  icu::RegexMatcher matcher(kWords, text, 0, error);
   std::vector<std::string> words;
-  for (std::u32string_view rest = text; !rest.empty();) {
-    const Kind kind = kind_of(rest.front());
-    const auto contraction = std::ranges::find_if(
-        kContractions, [&](std::u32string_view each) { return rest.starts_with(each); });
-    std::size_t length = 1;
-    if (contraction != kContractions.end()) {
-      length = contraction->size();
-    } else if (kind != Kind::kDigit) {
-      while (length < rest.size() && kind_of(rest[length]) == kind) ++length;
-    }
-    if (kind != Kind::kSpace) {
-      std::string& word = words.emplace_back();
-      for (const char32_t character : rest.substr(0, length)) add_utf8(character, word);
-    }
-    rest.remove_prefix(length);
-  }
+  while (matcher.find(error) != 0) matcher.group(error).toUTF8String(words.emplace_back());
+  if (U_FAILURE(error) != 0)
+    return fail("a text cannot be parted into words: {}", u_errorName(error));
   return words;
 }
 
@@ -204,7 +140,6 @@ std::unordered_map<std::string, std::int64_t> numbers_of(const std::vector<Pair>
 
 Expected<ClipTokenizer> ClipTokenizer::read(
     const std::filesystem::path& merges, const std::optional<std::filesystem::path>& vocabulary) {
-  if (unicode() == nullptr) return fail("the system lacks the locale C.UTF-8");
   ClipTokenizer tokenizer;
   ROOMWISE_TRY(const std::vector<Pair> pairs, read_merges(merges));
   for (const auto& [first, second] : pairs)
@@ -254,17 +189,20 @@ std::vector<std::string> ClipTokenizer::pieces_of(std::string_view word) const {
   }
 }
 
-std::vector<std::int64_t> ClipTokenizer::encode(std::string_view utf8) const {
+Expected<std::vector<std::int64_t>> ClipTokenizer::encode(std::string_view utf8) const {
+  if (utf8.size() > kMaxBytes)
+    return fail("a text of {} bytes is too long; it may have {}", utf8.size(), kMaxBytes);
+  ROOMWISE_TRY(const std::vector<std::string> words, words_of(utf8));
   std::vector<std::int64_t> numbers;
-  for (const std::string& word : words_of(utf8)) {
+  for (const std::string& word : words) {
     for (const std::string& piece : pieces_of(word)) numbers.push_back(numbers_.at(piece));
   }
   return numbers;
 }
 
-std::vector<std::int64_t> ClipTokenizer::tokens(std::string_view utf8, std::size_t places,
-                                                std::int64_t padding) const {
-  std::vector<std::int64_t> numbers = encode(utf8);
+Expected<std::vector<std::int64_t>> ClipTokenizer::tokens(std::string_view utf8, std::size_t places,
+                                                          std::int64_t padding) const {
+  ROOMWISE_TRY(std::vector<std::int64_t> numbers, encode(utf8));
   numbers.resize(std::min(numbers.size(), places - 2));
   numbers.insert(numbers.begin(), begin_);
   numbers.push_back(end_);

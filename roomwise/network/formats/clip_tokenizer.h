@@ -26,12 +26,16 @@ class ClipTokenizer {
       const std::filesystem::path& merges,
       const std::optional<std::filesystem::path>& vocabulary = std::nullopt);
 
-  // The numbers of a text's pieces.
-  [[nodiscard]] std::vector<std::int64_t> encode(std::string_view utf8) const;
+  // Far more than the 77 places of CLIP take; the time that a word takes grows with its square.
+  static constexpr std::size_t kMaxBytes = 1024;
+
+  // The numbers of a text's pieces. Fails where the text is longer than kMaxBytes.
+  [[nodiscard]] Expected<std::vector<std::int64_t>> encode(std::string_view utf8) const;
   // Begin, the text's pieces as far as there is room, end, and `padding` up to `places` (at least
-  // 2) numbers.
-  [[nodiscard]] std::vector<std::int64_t> tokens(std::string_view utf8, std::size_t places,
-                                                 std::int64_t padding = 0) const;
+  // 2) numbers. Fails as encode() does.
+  [[nodiscard]] Expected<std::vector<std::int64_t>> tokens(std::string_view utf8,
+                                                           std::size_t places,
+                                                           std::int64_t padding = 0) const;
 
   [[nodiscard]] std::size_t size() const { return numbers_.size(); }
   [[nodiscard]] std::int64_t begin() const { return begin_; }
