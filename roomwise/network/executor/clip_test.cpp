@@ -25,18 +25,22 @@ std::vector<float> floats_in(const fs::path& file) {
   return floats;
 }
 
-// The inputs that lie one after the other in a file, with a batch of one.
+// The inputs that lie one after the other in a file, for as many rows as it has.
 std::vector<Tensor> inputs_in(const fs::path& file, const std::vector<GraphInput>& wanted) {
   const std::vector<float> values = floats_in(file);
   std::vector<Tensor> inputs;
-  auto from = values.begin();
+  std::size_t in_row = 0;
   for (const GraphInput& input : wanted) {
-    Tensor tensor{input.shape, {}};
+    Tensor& tensor = inputs.emplace_back(Tensor{input.shape, {}});
     tensor.shape.front() = 1;
+    in_row += count_of(tensor.shape);
+  }
+  auto from = values.begin();
+  for (Tensor& tensor : inputs) {
+    tensor.shape.front() = static_cast<std::int64_t>(values.size() / in_row);
     const auto count = static_cast<std::ptrdiff_t>(count_of(tensor.shape));
     tensor.values.assign(from, from + count);
     from += count;
-    inputs.push_back(std::move(tensor));
   }
   return inputs;
 }

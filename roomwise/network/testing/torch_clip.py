@@ -155,11 +155,13 @@ def main():
         for opset in (11, 14, 17):
             torch.manual_seed(opset + packed)
             way = ("packed" if packed else "plain") + str(opset)
-            picture = torch.randn(1, 3, PICTURE, PICTURE)
+            rows = 1 if opset == 11 else 2
+            picture = torch.randn(rows, 3, PICTURE, PICTURE)
             export(folder, "picture-" + way, Picture(packed), (picture,), ["picture"], opset)
-            tokens = torch.zeros(1, PLACES, dtype=torch.int64)
-            tokens[0, :6] = torch.tensor([95, 3, 41, 5, 9, END])
-            attended = (torch.arange(PLACES) < 6).to(torch.int64)[None]
+            tokens = torch.zeros(rows, PLACES, dtype=torch.int64)
+            for row, text in enumerate(([95, 3, 41, 5, 9, END], [95, 8, 27, END])[:rows]):
+                tokens[row, :len(text)] = torch.tensor(text)
+            attended = (torch.arange(PLACES) <= tokens.argmax(dim=-1, keepdim=True)).to(torch.int64)
             inputs = (tokens,) if packed else (tokens, attended)
             export(folder, "text-" + way, Text(packed), inputs, ["tokens", "attended"][:len(inputs)], opset)
 
