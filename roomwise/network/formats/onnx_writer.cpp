@@ -1,5 +1,7 @@
 #include "roomwise/network/formats/onnx_writer.h"
 
+#include <algorithm>
+
 #include "roomwise/network/formats/number_formats.h"
 #include "roomwise/network/formats/protobuf_writer.h"
 #include "roomwise/network/graph/program.h"
@@ -124,7 +126,10 @@ Expected<Bytes> write_onnx_graph(const OnnxGraph& graph) {
   for (const std::string& output : graph.outputs) {
     const auto stated = graph.output_shapes.find(output);
     const Shape shape = stated == graph.output_shapes.end() ? Shape{} : stated->second;
-    message.add(12, value_message(output, shape, false).bytes());
+    const bool is_index = std::ranges::any_of(graph.nodes, [&](const Node& node) {
+      return node.operation == "ArgMax" && node.outputs == std::vector{output};
+    });
+    message.add(12, value_message(output, shape, is_index).bytes());
   }
 
   ProtobufWriter opset, model;

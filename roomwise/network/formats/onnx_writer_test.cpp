@@ -104,6 +104,22 @@ TEST(OnnxWriter, IsReadBackToTheBit) {
   EXPECT_EQ(*write_onnx_graph(*read), *bytes);
 }
 
+// As onnxruntime asks for.
+TEST(OnnxWriter, IndicesAreDeclaredAsWholeNumbers) {
+  OnnxGraph graph;
+  graph.opset = 13;
+  graph.inputs = {{"x", {1, 3}}};
+  graph.outputs = {"a", "b"};
+  graph.nodes = {{"", "Relu", "", {"x"}, {"a"}, {}}, {"", "ArgMax", "", {"x"}, {"b"}, {}}};
+  const Bytes bytes = write_onnx_graph(graph).value();
+  const std::string text(bytes.begin(), bytes.end());
+  // Name, type of a tensor, type of its elements: TensorProto.DataType.
+  EXPECT_THAT(text, HasSubstr("\x0A\x01"
+                              "a\x12\x04\x0A\x02\x08\x01"));
+  EXPECT_THAT(text, HasSubstr("\x0A\x01"
+                              "b\x12\x04\x0A\x02\x08\x07"));
+}
+
 TEST(OnnxWriter, RefusesWhatNoFileMayBe) {
   OnnxGraph graph = graph_of_every_kind();
   graph.opset = 9;
