@@ -145,7 +145,8 @@ Expected<Embedding> OpenVocabulary::embed(std::string_view word) const {
 
 Expected<Embedding> OpenVocabulary::embed_text(std::string_view text) const {
   const TextNetwork& card = *card_.text;
-  const auto tokens = tokenizer_.tokens(text, static_cast<std::size_t>(card.places), card.padding);
+  ROOMWISE_TRY(const auto tokens,
+               tokenizer_.tokens(text, static_cast<std::size_t>(card.places), card.padding));
   const auto end = std::ranges::find(tokens, tokenizer_.end());
   std::vector<Tensor> inputs;
   for (const GraphInput& input : texts_->inputs()) {
