@@ -154,8 +154,11 @@ TEST_F(ThingsCommandsTest, AWordThatNoLabelHasIsLookedForInPictures) {
   // By what is kept now.
   EXPECT_EQ(testing::result_of(look, path("words")), looked);
   EXPECT_THAT(testing::run_roomwise(look, path("words")).output,
-              HasSubstr(looked["found"].get<bool>() ? "red: found; likeliest in key-frame "
-                                                    : "red: not found; likeliest in key-frame "));
+              HasSubstr(looked["found"].get<bool>()
+                            ? "red: found in 45 of 45 pictures; likeliest in key-frame "
+                            : "red: not found in 45 of 45 pictures; likeliest in key-frame "));
+  EXPECT_EQ(looked["pictures"], 45);
+  EXPECT_EQ(looked["pictures_of_home"], 45);
 }
 
 // ---- objects find ----

@@ -129,6 +129,8 @@ Visibility visibility_of(const Candidate& candidate, std::span<const WorldObserv
   const std::set<std::size_t> observed = keyframes_of(candidate, observations);
   std::set<DetectionSource> sources;
   for (const std::size_t i : candidate.group) sources.insert(observations[i].detection->source);
+  // That one is shown its best views alone, so the others say nothing against it.
+  sources.erase(DetectionSource::kProposal);
   Visibility visibility{.observed = static_cast<int>(observed.size())};
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
     const bool was_looked_at = std::ranges::any_of(sources, [&](DetectionSource source) {

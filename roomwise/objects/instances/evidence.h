@@ -24,7 +24,8 @@ constexpr std::array<std::string_view, 8> kEvidenceNames = {
 };
 using Evidence = std::array<double, kEvidenceNames.size()>;
 
-// The key-frames that show a candidate, and those that should and have nothing there.
+// The key-frames that show a candidate, and those that should and have nothing there. Of what only
+// region proposals show none should: they are shown a few views alone.
 struct Visibility {
   int observed = 0, missed = 0;
 };
