@@ -31,7 +31,8 @@ std::vector<Prompt> route_prompts(const Route& route, const Pose& pose, const No
                      kDirectionValid_s, fmt::format("a way of {:.1f} m along free floor", whole_m));
   };
   if (whole_m < kThere_m) return {made(0, "route.arrived", {{"goal", Nouns{goal}}})};
-  const std::vector<Leg> legs = legs_of(route, doors_of(doorways), stairs);
+  const std::vector<rooms::Doorway> doors = doors_of(doorways);  // legs point to them
+  const std::vector<Leg> legs = legs_of(route, doors, stairs);
   std::vector<Prompt> prompts;
   double heading_rad = pose.heading_rad;
   for (std::size_t i = 0; i < std::min(legs.size(), kMaxLegs); ++i) {
