@@ -124,10 +124,8 @@ TEST_F(FindWord, WhatWasSeenIsKeptUntilTheNetworksAreOthers) {
 TEST_F(FindWord, OfKeyframesThatAreTakenOutNothingIsKept) {
   (void)places();
   home::KeyframeCulling culling;
-  for (const std::uint64_t frame : {kRed}) {
-    culling.places.push_back({1, frame, home::FramePlace{0, {}}});
-    culling.culled.push_back(kRed);
-  }
+  culling.places.push_back({1, kRed, home::FramePlace{0, {}}});
+  culling.culled.push_back(kRed);
   ASSERT_OK(home_.cull_keyframes(culling));
   EXPECT_FALSE(home_.derived_data("word_places").value().has_value());
   EXPECT_EQ(places().places.size(), 10 * (kPictures - 1));
