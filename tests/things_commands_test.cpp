@@ -135,6 +135,11 @@ class ThingsCommandsTest : public ::testing::Test {
   inline static json mapped_;
 };
 
+TEST_F(ThingsCommandsTest, MapNamesTheNetworksThatLookedAndTheDetectors) {
+  EXPECT_EQ(mapped_.at("networks"), json({"colors"}));
+  EXPECT_EQ(mapped_.at("detectors"), json({"middle"}));
+}
+
 // ---- objects find-word ----
 
 TEST_F(ThingsCommandsTest, AWordThatNoLabelHasIsLookedForInPictures) {
@@ -185,9 +190,10 @@ TEST_F(ThingsCommandsTest, AClassifierBesideADetectorLooksCloser) {
   write_classifier("shelves", "bookcase\nbed\n", 5);
   testing::result_of(find, path("with-closer"));
   ASSERT_EQ(finders().size(), 2U) << "the detector's detections were there";
-  EXPECT_EQ(finders().rbegin()->second.name, "closer looks");
+  EXPECT_EQ(finders().rbegin()->second.name, "region proposals");
   const auto found = home::Home::open_read_only(home);
   ASSERT_OK(found);
+  EXPECT_EQ(result_of({"info", home}).at("detectors"), "middle, region proposals");
   EXPECT_EQ(found->detections(finders().rbegin()->first)->size(), found->keyframes()->size());
 
   const std::string digest = digest_of(home);

@@ -75,11 +75,12 @@ Expected<Answer> describe_home(const InfoOptions& options, Context& context) {
   ROOMWISE_TRY(const auto edits, home.edits());
   ROOMWISE_TRY(const auto rooms, home.rooms());
   ROOMWISE_TRY(const auto networks, home.networks());
+  ROOMWISE_TRY(const auto finders, home.region_finders());
   ROOMWISE_TRY(const auto classifier, home.room_classifier());
 
   Facts facts(options.path, "home");
   Json walks = Json::array();
-  std::vector<std::string> recording_names, room_names, network_names;
+  std::vector<std::string> recording_names, room_names, network_names, detector_names;
   std::size_t frames = 0, placed = 0;
   for (const home::StoredRecording& stored : recordings) {
     ROOMWISE_TRY(const auto of_recording, home.frames(stored.id));
@@ -107,6 +108,7 @@ Expected<Answer> describe_home(const InfoOptions& options, Context& context) {
   }
   for (const rooms::Room& room : rooms) room_names.push_back(room.name);
   for (const auto& [id, network] : networks) network_names.push_back(network.name);
+  for (const auto& [id, finder] : finders) detector_names.push_back(finder.name);
 
   facts.add("recordings", fmt::format("{}", fmt::join(recording_names, ", ")), std::move(walks));
   facts.add("frames", frames);
@@ -119,6 +121,7 @@ Expected<Answer> describe_home(const InfoOptions& options, Context& context) {
   facts.add("by the paper's rules", objects.size());
   facts.add("rooms", fmt::format("{}", fmt::join(room_names, ", ")));
   facts.add("networks", fmt::format("{}", fmt::join(network_names, ", ")));
+  facts.add("detectors", fmt::format("{}", fmt::join(detector_names, ", ")));
   facts.add("rooms learned with", classifier ? classifier->network_name : "");
   facts.add("protected", home.is_protected());
   if (options.verify) facts.add("verified", true);

@@ -137,7 +137,8 @@ std::string walks_text(const pipeline::MapSummary& summary) {
                                         summary.culled));
 }
 
-std::string to_text(const pipeline::MapSummary& summary, const std::vector<std::string>& networks) {
+std::string to_text(const pipeline::MapSummary& summary, const std::vector<std::string>& networks,
+                    const std::vector<std::string>& detectors) {
   std::string text = fmt::format(
       "frames      {} of {} have a place on the map\n"
       "key-frames  {}\n"
@@ -158,6 +159,7 @@ std::string to_text(const pipeline::MapSummary& summary, const std::vector<std::
           ? "objects     none: no network was given, nothing can be named; give --network FILE\n"
           : fmt::format("objects     {} ({} by the paper's rules)\nnetworks    {}\n",
                         summary.instances, summary.objects, fmt::join(networks, ", "));
+  if (!detectors.empty()) text += fmt::format("detectors   {}\n", fmt::join(detectors, ", "));
   return text;
 }
 
@@ -256,12 +258,14 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   }
 
   Answer answer;
-  std::vector<std::string> names;
+  std::vector<std::string> names, detectors;
   for (const auto& network : networks) names.push_back(network->name());
+  ROOMWISE_TRY(const auto stored_finders, home.region_finders());
+  for (const auto& [id, finder] : stored_finders) detectors.push_back(finder.name);
   std::vector<std::string> lost;
   for (const auto& [id, why] : run.lost->all()) lost.push_back(why);
   const image::PersonalFacts& left_out = source->info().left_out;
-  answer.text = to_text(summary, names) +
+  answer.text = to_text(summary, names, detectors) +
                 (left_out.any() ? "left out    " + left_out_text(left_out) + "\n" : "") +
                 damage_text(frames.damage(), "frames that cannot be read") +
                 damage_text(lost, "pictures of the map that cannot be read again");
@@ -273,6 +277,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   }
   answer.json = {{"finished", summary.finished},
                  {"networks", names},
+                 {"detectors", detectors},
                  {"frames", summary.frames},
                  {"placed", summary.placed},
                  {"device_motion",

@@ -28,7 +28,7 @@ Expected<void> look_at_proposals(ProposalObservations& proposals, const home::Ho
   return for_each_keyframe(
       home, shown, "looking closer", run,
       [&](const home::Keyframe& keyframe, const DecodedImages& images) -> Seen {
-        const auto timing = run.clock.measure("closer looks");
+        const auto timing = run.clock.measure("region proposals");
         return proposals.look(keyframe.id, images.color, images.depth, proposal_classifier);
       },
       [&](const home::Keyframe& keyframe, Seen seen) -> Expected<void> {
@@ -38,10 +38,10 @@ Expected<void> look_at_proposals(ProposalObservations& proposals, const home::Ho
       });
 }
 
-// All closer looks are one finder, whatever networks take part: each time they are made they take
-// the place of the last ones, so that nothing of other networks or other poses stays.
+// All region proposals are one finder, whatever networks take part: each time they are made they
+// take the place of the last ones, so that nothing of other networks or other poses stays.
 home::RegionFinderRecord finder_record() {
-  home::RegionFinderRecord record{.name = "closer looks", .fingerprint = {}, .labels = {}};
+  home::RegionFinderRecord record{.name = "region proposals", .fingerprint = {}, .labels = {}};
   for (const auto& [word, label] : objects::labels_of_proposals()) record.labels.push_back(label);
   record.fingerprint =
       fmt::format("{}2: {}", objects::kProposalMethod, fmt::join(record.labels, ", "));

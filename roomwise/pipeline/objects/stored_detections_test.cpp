@@ -11,7 +11,7 @@ namespace {
 using ::testing::FieldsAre;
 using ::testing::UnorderedElementsAre;
 
-// The classes of the detections of key-frame 1, whether they are words, and by closer looks.
+// The classes of the detections of key-frame 1, whether they are words, and by region proposals.
 std::vector<std::tuple<std::string, bool, bool>> names_in(const home::Home& home) {
   const auto components = observed_keyframes(home);
   EXPECT_OK(components);
@@ -47,7 +47,7 @@ TEST(StoredDetections, CloserLooksStandBesideTheDetectorAndReplaceTheirOlderSelf
               UnorderedElementsAre(FieldsAre("sofa", true, false), FieldsAre("bed", true, false)));
 
   const std::vector<std::string> labels{"table lamp", "radiator", "zebra", "bookcase"};
-  const auto first = home->add_region_finder({"closer looks", " proposals 1", labels});
+  const auto first = home->add_region_finder({"region proposals", " proposals 1", labels});
   ASSERT_OK(first);
   ASSERT_OK(home->put_detections(1, *first, look_with({"table lamp", "radiator", "zebra"})));
   EXPECT_THAT(
@@ -56,7 +56,7 @@ TEST(StoredDetections, CloserLooksStandBesideTheDetectorAndReplaceTheirOlderSelf
                            FieldsAre("lamp", true, true), FieldsAre("radiator", false, true)))
       << "a look-alike speaks, a zebra does not";
 
-  const auto second = home->add_region_finder({"closer looks", " proposals 2", labels});
+  const auto second = home->add_region_finder({"region proposals", " proposals 2", labels});
   ASSERT_OK(second);
   EXPECT_THAT(names_in(*home), ::testing::SizeIs(4)) << "it has looked at nothing yet";
   ASSERT_OK(home->put_detections(1, *second, look_with({"bookcase"})));
@@ -83,7 +83,7 @@ TEST(StoredDetections, SayWhoDidNotLookAtAKeyframe) {
   auto home = home::Home::create(folder / "a.home");
   ASSERT_OK(home);
   home::testing::fill(*home);
-  const auto maps = home->add_region_finder({"closer looks", " proposals 1", {"table lamp"}});
+  const auto maps = home->add_region_finder({"region proposals", " proposals 1", {"table lamp"}});
   ASSERT_OK(maps);
   ASSERT_OK(home->put_detections(1, *maps, look_with({"table lamp"})));
   const auto components = observed_keyframes(*home);

@@ -115,7 +115,7 @@ TEST_F(NetworkFilesTest, OfOneNameTheLastCountsAndTheRoomsComeFirst) {
   ASSERT_OK(home_.add_network({"tiny", "older", {}, 3}));
   ASSERT_OK(home_.add_network({"tiny", sha256_, {}, 3}));
   ASSERT_OK(home_.add_region_finder({"finder", std::string(64, 'b'), {"bed"}}));
-  ASSERT_OK(home_.add_region_finder({"closer looks", "x proposals 2", {"bed"}}));
+  ASSERT_OK(home_.add_region_finder({"region proposals", "x proposals 2", {"bed"}}));
   store_rooms("learned", std::string(64, 'c'));
   const auto found = all();
   ASSERT_EQ(found.size(), 3U);

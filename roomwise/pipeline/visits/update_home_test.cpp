@@ -165,7 +165,7 @@ TEST_F(UpdateHome, WhatIsGoneStaysGone) {
   EXPECT_EQ(home_->past_instances()->size(), 1U);
 }
 
-// No finder sees the box in whole pictures: only closer looks, at what stands apart in depth.
+// No finder sees the box in whole pictures: only region proposals, of what stands apart in depth.
 class UpdateHomeByCloserLooks : public UpdateHome {
  protected:
   void SetUp() override {

@@ -183,7 +183,7 @@ Expected<void> look_closer_at_visit(VisitFrames& frames, const recording::Record
       shown.size(), "looking closer at the visit", run,
       [&](std::size_t i) { return recording.read_color(frames.placed[shown[i]].index); },
       [&](std::size_t i, const image::ColorImage& color) {
-        const auto timing = run.clock.measure("closer looks");
+        const auto timing = run.clock.measure("region proposals");
         return proposals.look(shown[i], color, frames.placed[shown[i]].depth, proposal_classifier);
       },
       [&](std::size_t i,
