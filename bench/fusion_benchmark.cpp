@@ -41,7 +41,7 @@ Expected<void> measure(const char* file) {
   pipeline::RunContext run{pool, progress, clock};
 
   const double begin_s = process_cpu_time_s();
-  ROOMWISE_TRY(pipeline::DenseMap map, pipeline::build_dense_map(home, keyframes, 0.02, run));
+  ROOMWISE_TRY(pipeline::DenseMap map, pipeline::build_dense_map(home, keyframes, {}, run));
   const double fused_s = process_cpu_time_s();
   const fusion::TriangleMesh mesh = extract_mesh(map.field(), fusion::MeshOptions{}, pool);
   const double meshed_s = process_cpu_time_s();
@@ -49,7 +49,7 @@ Expected<void> measure(const char* file) {
   const double max_mb = peak_mb();
 
   const auto moved = bent(keyframes);
-  ROOMWISE_TRY(pipeline::DenseMap other, pipeline::build_dense_map(home, moved, 0.02, run));
+  ROOMWISE_TRY(pipeline::DenseMap other, pipeline::build_dense_map(home, moved, {}, run));
   const double bent_s = process_cpu_time_s();
   ROOMWISE_CHECK_OK(other.follow(home, keyframes, run));
   const double followed_s = process_cpu_time_s();

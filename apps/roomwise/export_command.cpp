@@ -51,7 +51,7 @@ Expected<pipeline::MapCloud> build_cloud(const ExportOptions& options, Context& 
 Expected<pipeline::GravityAlignedMap> build_surface(const ExportOptions& options, Context& context,
                                                     pipeline::RunContext& run) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
-  return pipeline::build_gravity_aligned_map(home, options.voxel_size_m, run);
+  return pipeline::build_gravity_aligned_map(home, {.voxel_size_m = options.voxel_size_m}, run);
 }
 
 Answer wrote_mesh(const fs::path& output, const pipeline::GravityAlignedMap& map) {

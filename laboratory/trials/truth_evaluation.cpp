@@ -29,8 +29,9 @@ Expected<std::vector<Eigen::Vector3f>> surface_points(const home::Home& home,
                  pipeline::build_map_cloud(home, keyframes, options.voxel_size_m, run));
     return std::move(map.cloud.points);
   }
-  ROOMWISE_TRY(const pipeline::DenseMap map,
-               pipeline::build_dense_map(home, keyframes, options.voxel_size_m, run));
+  ROOMWISE_TRY(
+      const pipeline::DenseMap map,
+      pipeline::build_dense_map(home, keyframes, {.voxel_size_m = options.voxel_size_m}, run));
   return extract_mesh(map.field(), fusion::MeshOptions{}, run.pool).vertices;
 }
 

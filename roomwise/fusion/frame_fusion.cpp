@@ -140,7 +140,8 @@ class FrameView {
         height_(frame.camera.height),
         voxel_m_(static_cast<float>(field.voxel_size_m)),
         truncation_m_(static_cast<float>(field.truncation_m())),
-        noise_at_1m_m_(static_cast<float>(frame.options.depth_noise_at_1m_m)) {}
+        noise_at_1m_m_(static_cast<float>(frame.options.depth_noise_at_1m_m)),
+        keeps_colors_(field.keeps_colors) {}
 
   // The camera coordinates of a block's first voxel, and the steps to its neighbours.
   [[nodiscard]] Vector3f first_voxel(const Vector3i& block) const {
@@ -186,7 +187,7 @@ class FrameView {
     // The cast cuts off, and the sum is positive: this rounds.
     const int rounded = static_cast<int>(steps + kDistanceSteps + 0.5F) - kDistanceSteps;
     const bool is_near = std::abs(distance_m) < 2 * voxel_m_;
-    return {rounded, weight, is_near ? &pixel : nullptr};
+    return {rounded, weight, keeps_colors_ && is_near ? &pixel : nullptr};
   }
 
   const FrameSurface& frame_;
@@ -195,6 +196,7 @@ class FrameView {
   float fx_, fy_, cx_, cy_;
   int width_, height_;
   float voxel_m_, truncation_m_, noise_at_1m_m_;
+  bool keeps_colors_;
 };
 
 // Sums of unsigned numbers wrap around: taking away is adding the negative.

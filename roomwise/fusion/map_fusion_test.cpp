@@ -99,6 +99,20 @@ TEST_F(MapFusionTest, TheOrderOfFramesAndTheNumberOfThreadsMakeNoDifference) {
   EXPECT_TRUE(forth.field() == back);
 }
 
+TEST_F(MapFusionTest, WithoutColorsTheSurfaceIsTheSameInLessMemory) {
+  MapFusionOptions options;
+  options.field.keeps_colors = false;
+  const MapFusion bare = fused_at(poses_, 2, options), colored = fused_at(poses_);
+  EXPECT_EQ(bare.field().block_count(), colored.field().block_count());
+  EXPECT_LT(bare.field().memory_bytes(), 0.7 * static_cast<double>(colored.field().memory_bytes()));
+  const TriangleMesh same = extract_mesh(bare.field(), {}, pool_);
+  const TriangleMesh mesh = extract_mesh(colored.field(), {}, pool_);
+  ASSERT_GT(mesh.vertices.size(), 1000U);
+  EXPECT_EQ(same.vertices, mesh.vertices);
+  EXPECT_EQ(same.normals, mesh.normals);
+  EXPECT_EQ(same.triangles, mesh.triangles);
+}
+
 TEST_F(MapFusionTest, TakingEveryFrameOutLeavesNothing) {
   MapFusion map = fused_at(poses_);
   EXPECT_GT(map.field().memory_bytes(), 1'000'000U);

@@ -21,6 +21,14 @@ auto order_of(const OccupancyCell& cell) {
   return std::tuple(cell.cell.z(), cell.cell.y(), cell.cell.x(), cell.is_occupied ? 0 : 1);
 }
 
+// In order, each cell once.
+void keep_first_of_each(std::vector<OccupancyCell>& cells) {
+  std::ranges::sort(cells, {}, order_of);
+  const auto same = [](const OccupancyCell& a, const OccupancyCell& b) { return a.cell == b.cell; };
+  cells.erase(std::unique(cells.begin(), cells.end(), same), cells.end());
+  cells.shrink_to_fit();
+}
+
 // The free cells whose middle is nearest to a voxel of this block, so that every cell is asked in
 // one block.
 std::vector<OccupancyCell> free_cells(const TsdfVolume& field, const Vector3i& block,
@@ -63,6 +71,7 @@ std::vector<OccupancyCell> occupancy_cells(const TsdfVolume& field, const Triang
     const Vector3d point_gravity = gravity_from_world * Vector3d(vertex.cast<double>());
     cells.push_back({cell_of(point_gravity, cell_m), true});
   }
+  keep_first_of_each(cells);  // many vertices lie in one cell
   const std::vector<Vector3i> blocks = field.blocks();
   constexpr std::size_t kBlocksATask = 512;
   std::vector<std::vector<OccupancyCell>> found((blocks.size() + kBlocksATask - 1) / kBlocksATask);
@@ -73,10 +82,11 @@ std::vector<OccupancyCell> occupancy_cells(const TsdfVolume& field, const Triang
       found[task].insert(found[task].end(), here.begin(), here.end());
     }
   });
-  for (const auto& some : found) cells.insert(cells.end(), some.begin(), some.end());
-  std::ranges::sort(cells, {}, order_of);
-  const auto same = [](const OccupancyCell& a, const OccupancyCell& b) { return a.cell == b.cell; };
-  cells.erase(std::unique(cells.begin(), cells.end(), same), cells.end());
+  for (auto& some : found) {
+    cells.insert(cells.end(), some.begin(), some.end());
+    some = {};
+  }
+  keep_first_of_each(cells);
   return cells;
 }
 

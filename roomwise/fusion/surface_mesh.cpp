@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <unordered_map>
 
 #include "roomwise/base/disjoint_sets.h"
@@ -198,15 +199,19 @@ class BlockMesher {
   BlockMesh result_;
 };
 
-// Joins the blocks' surfaces: a vertex that two of them have becomes one.
+// Joins the blocks' surfaces: a vertex that two of them have becomes one. Blocks come in the order
+// of their keys, layer by layer.
 class MeshJoiner {
  public:
-  void add(const BlockMesh& block) {
+  void add(const Vector3i& place, const BlockMesh& block) {
+    // A vertex belongs to its block or to one behind: those of lower layers are not met again.
+    vertices_of_.erase(vertices_of_.begin(), vertices_of_.lower_bound(place.z()));
     std::vector<std::uint32_t> joined;
     joined.reserve(block.keys.size());
     for (std::size_t i = 0; i < block.keys.size(); ++i) {
       const auto next = static_cast<std::uint32_t>(mesh_.vertices.size());
-      const auto [found, is_new] = vertex_of_.try_emplace(block.keys[i], next);
+      auto& layer = vertices_of_[TsdfVolume::block_of(block.keys[i].block).z()];
+      const auto [found, is_new] = layer.try_emplace(block.keys[i], next);
       if (is_new) {
         mesh_.vertices.push_back(block.mesh.vertices[i]);
         mesh_.normals.push_back(block.mesh.normals[i]);
@@ -222,7 +227,7 @@ class MeshJoiner {
 
  private:
   TriangleMesh mesh_;
-  std::unordered_map<EdgeKey, std::uint32_t, EdgeKeyHash> vertex_of_;
+  std::map<int, std::unordered_map<EdgeKey, std::uint32_t, EdgeKeyHash>> vertices_of_;  // by layer
 };
 
 double area_m2(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
@@ -258,14 +263,15 @@ TriangleMesh extract_mesh(const TsdfVolume& field, const MeshOptions& options, T
         meshes[i] = mesher.mesh(blocks[first + i]);
       }
     });
-    for (const BlockMesh& mesh : meshes) joiner.add(mesh);
+    for (std::size_t i = 0; i < count; ++i) joiner.add(blocks[first + i], meshes[i]);
   }
   TriangleMesh mesh = joiner.finish();
-  return options.min_component_m2 > 0 ? without_small_components(mesh, options.min_component_m2)
-                                      : std::move(mesh);
+  return options.min_component_m2 > 0
+             ? without_small_components(std::move(mesh), options.min_component_m2)
+             : std::move(mesh);
 }
 
-TriangleMesh without_small_components(const TriangleMesh& mesh, double min_component_m2) {
+TriangleMesh without_small_components(TriangleMesh mesh, double min_component_m2) {
   DisjointSets components(mesh.vertices.size());  // vertices that hang together
   for (const auto& [a, b, c] : mesh.triangles) {
     components.join(a, b);
@@ -275,25 +281,27 @@ TriangleMesh without_small_components(const TriangleMesh& mesh, double min_compo
   for (const auto& triangle : mesh.triangles) {
     component_m2[components.find(triangle[0])] += area_m2(mesh, triangle);
   }
-  constexpr std::uint32_t kLeftOut = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> kept(mesh.vertices.size(), kLeftOut);
-  TriangleMesh result;
-  for (const auto& triangle : mesh.triangles) {
-    if (component_m2[components.find(triangle[0])] < min_component_m2) continue;
-    std::array<std::uint32_t, 3> corners{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      std::uint32_t& place = kept[triangle[i]];
-      if (place == kLeftOut) {
-        place = static_cast<std::uint32_t>(result.vertices.size());
-        result.vertices.push_back(mesh.vertices[triangle[i]]);
-        result.normals.push_back(mesh.normals[triangle[i]]);
-        result.colors.push_back(mesh.colors[triangle[i]]);
-      }
-      corners[i] = place;
-    }
-    result.triangles.push_back(corners);
+  std::erase_if(mesh.triangles, [&](const auto& triangle) {
+    return component_m2[components.find(triangle[0])] < min_component_m2;
+  });
+  // What is kept moves to the front, where it stands: a mesh of a home is large.
+  std::vector<std::uint32_t> place(mesh.vertices.size());
+  std::uint32_t kept = 0;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    place[i] = kept;
+    if (component_m2[components.find(i)] < min_component_m2) continue;
+    mesh.vertices[kept] = mesh.vertices[i];
+    mesh.normals[kept] = mesh.normals[i];
+    mesh.colors[kept] = mesh.colors[i];
+    ++kept;
   }
-  return result;
+  mesh.vertices.resize(kept);
+  mesh.normals.resize(kept);
+  mesh.colors.resize(kept);
+  for (auto& triangle : mesh.triangles) {
+    for (std::uint32_t& corner : triangle) corner = place[corner];
+  }
+  return mesh;
 }
 
 }  // namespace roomwise::fusion

@@ -25,7 +25,6 @@ struct MeshOptions {
 
 // Without the pieces (of triangles that share vertices) that have less area, and without vertices
 // that no triangle uses.
-[[nodiscard]] TriangleMesh without_small_components(const TriangleMesh& mesh,
-                                                    double min_component_m2);
+[[nodiscard]] TriangleMesh without_small_components(TriangleMesh mesh, double min_component_m2);
 
 }  // namespace roomwise::fusion

@@ -17,6 +17,7 @@ namespace roomwise::fusion {
 struct TsdfOptions {
   double voxel_size_m = 0.02;
   double truncation_voxels = 4;  // farther before a surface all distances are the same
+  bool keeps_colors = true;      // they take up to two thirds of the memory
 
   [[nodiscard]] Expected<void> validate() const;
   [[nodiscard]] double truncation_m() const { return voxel_size_m * truncation_voxels; }

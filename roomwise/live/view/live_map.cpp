@@ -32,7 +32,7 @@ Expected<std::shared_ptr<const LiveMap>> make_live_map(const home::Home& home,
 Expected<std::shared_ptr<const LiveMap>> with_clouds(const LiveMap& map, const home::Home& home,
                                                      pipeline::RunContext& run) {
   ROOMWISE_TRY(const pipeline::GravityAlignedMap fused,
-               pipeline::build_gravity_aligned_map(home, fusion::TsdfOptions{}.voxel_size_m, run));
+               pipeline::build_gravity_aligned_map(home, {}, run));
   const auto surface_gravity = fusion::transformed(map.frame.gravity_from_world, fused.mesh_world);
   auto whole = std::make_shared<LiveMap>(map);
   whole->clouds =

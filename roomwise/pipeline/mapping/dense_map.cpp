@@ -35,10 +35,10 @@ Expected<void> DenseMap::follow(const home::Home& home, std::span<const home::Ke
 }
 
 Expected<DenseMap> build_dense_map(const home::Home& home,
-                                   std::span<const home::Keyframe> keyframes, double voxel_size_m,
-                                   RunContext& run) {
+                                   std::span<const home::Keyframe> keyframes,
+                                   const fusion::TsdfOptions& field, RunContext& run) {
   fusion::MapFusionOptions options;
-  options.field.voxel_size_m = voxel_size_m;
+  options.field = field;
   ROOMWISE_CHECK_OK(options.validate());
   DenseMap map(options);
   ROOMWISE_CHECK_OK(map.follow(home, keyframes, run));

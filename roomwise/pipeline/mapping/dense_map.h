@@ -35,6 +35,6 @@ class DenseMap {
 // These key-frames, fused at the poses given with them.
 [[nodiscard]] Expected<DenseMap> build_dense_map(const home::Home& home,
                                                  std::span<const home::Keyframe> keyframes,
-                                                 double voxel_size_m, RunContext& run);
+                                                 const fusion::TsdfOptions& field, RunContext& run);
 
 }  // namespace roomwise::pipeline

@@ -27,9 +27,9 @@ TEST_F(DenseMapTest, FollowsWhenTheMapIsCorrected) {
     bent[i].pose.world_from_keyframe.translation += Vector3d(0.04, 0, 0.03);
   }
   bent.pop_back();
-  auto map = build_dense_map(*home_, bent, 0.02, run_);
+  auto map = build_dense_map(*home_, bent, {}, run_);
   ASSERT_OK(map);
-  const auto right = build_dense_map(*home_, keyframes(), 0.02, run_);
+  const auto right = build_dense_map(*home_, keyframes(), {}, run_);
   ASSERT_OK(right);
   EXPECT_FALSE(map->field() == right->field());
   ASSERT_OK(map->follow(*home_, keyframes(), run_));
@@ -38,25 +38,24 @@ TEST_F(DenseMapTest, FollowsWhenTheMapIsCorrected) {
 }
 
 TEST_F(DenseMapTest, RefusesVoxelsOfNoUse) {
-  EXPECT_ERROR(build_dense_map(*home_, keyframes(), 0, run_), "voxel_size_m");
+  EXPECT_ERROR(build_dense_map(*home_, keyframes(), {.voxel_size_m = 0}, run_), "voxel_size_m");
 }
 
 TEST_F(DenseMapTest, NamesTheKeyframeThatIsDamaged) {
   ASSERT_OK(
       home_->database().run("UPDATE keyframe_images SET depth = x'00' WHERE keyframe_id = 3"));
-  EXPECT_ERROR(build_dense_map(*home_, keyframes(), 0.02, run_), "a.home: key-frame 3");
+  EXPECT_ERROR(build_dense_map(*home_, keyframes(), {}, run_), "a.home: key-frame 3");
 }
 
 TEST_F(DenseMapTest, NamesTheKeyframeWhoseImageHasAnotherSize) {
   ASSERT_OK(home_->database().run("UPDATE recordings SET width_px = width_px + 1"));
-  EXPECT_ERROR(build_dense_map(*home_, keyframes(), 0.02, run_), "its camera takes");
+  EXPECT_ERROR(build_dense_map(*home_, keyframes(), {}, run_), "its camera takes");
 }
 
 TEST_F(DenseMapTest, AHomeWithoutAMapIsRefused) {
   const auto empty = home::Home::create(folder_ / "empty.home");
   ASSERT_OK(empty);
-  EXPECT_ERROR(build_gravity_aligned_map(*empty, 0.02, run_),
-               "empty.home: the home has no map yet");
+  EXPECT_ERROR(build_gravity_aligned_map(*empty, {}, run_), "empty.home: the home has no map yet");
 }
 
 TEST_F(DenseMapTest, CellsMustGoWithTheVoxels) {

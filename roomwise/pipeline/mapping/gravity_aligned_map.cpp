@@ -83,13 +83,14 @@ fusion::FloorGrid on_plan(const std::vector<fusion::FloorGrid>& grids,
 
 }  // namespace
 
-Expected<GravityAlignedMap> build_gravity_aligned_map(const home::Home& home, double voxel_size_m,
+Expected<GravityAlignedMap> build_gravity_aligned_map(const home::Home& home,
+                                                      const fusion::TsdfOptions& field,
                                                       RunContext& run) {
   ROOMWISE_TRY(const auto keyframes, map_keyframes(home));
   if (keyframes.empty()) {
     return fail("{}: the home has no map yet; make one with roomwise map", home.file());
   }
-  ROOMWISE_TRY(DenseMap dense, build_dense_map(home, keyframes, voxel_size_m, run));
+  ROOMWISE_TRY(DenseMap dense, build_dense_map(home, keyframes, field, run));
   fusion::TriangleMesh mesh = extract_mesh(dense.field(), fusion::MeshOptions{}, run.pool);
   ROOMWISE_CHECK_OK(run.progress.check("the surface was extracted"));
   std::vector<geometry::RigidTransform> cameras;

@@ -14,9 +14,8 @@ struct GravityAlignedMap {
   fusion::GravityAlignedFrame frame;
 };
 // Fails where the home has no map, and when the user interrupts.
-[[nodiscard]] Expected<GravityAlignedMap> build_gravity_aligned_map(const home::Home& home,
-                                                                    double voxel_size_m,
-                                                                    RunContext& run);
+[[nodiscard]] Expected<GravityAlignedMap> build_gravity_aligned_map(
+    const home::Home& home, const fusion::TsdfOptions& field, RunContext& run);
 
 // Whether cells of a size can be told from a map of such voxels: smaller ones would leave gaps in
 // walls, of larger ones the distance field does not say whether they are empty. To be asked before

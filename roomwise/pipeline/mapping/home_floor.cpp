@@ -150,7 +150,7 @@ std::optional<HomeFloor> from_bytes(const Bytes& bytes) {
 
 Expected<HomeFloor> build_home_floor(const home::Home& home, RunContext& run) {
   ROOMWISE_TRY(const GravityAlignedMap map,
-               build_gravity_aligned_map(home, fusion::TsdfOptions{}.voxel_size_m, run));
+               build_gravity_aligned_map(home, {.keeps_colors = false}, run));
   return floor_of(map, run);
 }
 

@@ -41,7 +41,7 @@ TEST_F(HomeFloorTest, ThatIsKeptIsThereAtOnce) {
   const auto floor = find_home_floor(*home_, run_);
   ASSERT_OK(floor);
   EXPECT_EQ(fused_.times, 0);
-  const auto map = build_gravity_aligned_map(*home_, fusion::TsdfOptions{}.voxel_size_m, run_);
+  const auto map = build_gravity_aligned_map(*home_, {}, run_);
   ASSERT_OK(map);
   const auto fresh = floor_of(*map, run_);
   ASSERT_OK(fresh);
