@@ -152,6 +152,19 @@ FrameSurfaceMaker::FrameSurfaceMaker(const geometry::PinholeCamera& camera,
   }
 }
 
+Vector2f FrameSurfaceMaker::by_ray(const Vector2f& by_pixel, int x, int y) const {
+  if (camera_.distortion.is_none()) {
+    return by_pixel.cwiseProduct(
+        Vector2f(static_cast<float>(camera_.fx), static_cast<float>(camera_.fy)));
+  }
+  const int left = std::max(x - 1, 0), right = std::min(x + 1, camera_.width - 1);
+  const int above = std::max(y - 1, 0), below = std::min(y + 1, camera_.height - 1);
+  Eigen::Matrix2f ray_by_pixel;
+  ray_by_pixel << (ray(right, y) - ray(left, y)) / static_cast<float>(right - left),
+      (ray(x, below) - ray(x, above)) / static_cast<float>(below - above);
+  return ray_by_pixel.transpose().inverse() * by_pixel;
+}
+
 FrameSurface FrameSurfaceMaker::make(const image::ColorImage& color,
                                      const image::DepthImage& depth) const {
   InverseDepth inverse(camera_.width, camera_.height);
@@ -169,10 +182,8 @@ FrameSurface FrameSurfaceMaker::make(const image::ColorImage& color,
   FrameSurface frame{camera_, real_from_ideal_, {camera_.width, camera_.height}, options_};
   const float bend = max_bend(options_);
   const auto min_inverse = static_cast<float>(1 / options_.farthest_m);
-  const Vector2f focal(static_cast<float>(camera_.fx), static_cast<float>(camera_.fy));
-  std::size_t index = 0;
   for (int y = 0; y < camera_.height; ++y) {
-    for (int x = 0; x < camera_.width; ++x, ++index) {
+    for (int x = 0; x < camera_.width; ++x) {
       const float middle = inverse.at(x, y);
       if (middle <= 0) continue;
       SurfacePixel& pixel = frame.pixels.at(x, y);
@@ -182,15 +193,14 @@ FrameSurface FrameSurfaceMaker::make(const image::ColorImage& color,
       if (middle < min_inverse) continue;
       // A slope of 45 degrees is likely.
       const float ridge_root =
-          static_cast<float>(options_.depth_noise_at_1m_m) * focal.x() / middle;
+          static_cast<float>(options_.depth_noise_at_1m_m * camera_.fx) / middle;
       const LocalPlane plane = fit_plane(inverse, x, y, bend, ridge_root * ridge_root);
       if (plane.is_outline) continue;
       // q = n . (ray, 1) on the plane n . p = 1, with q the inverse depth.
-      const Vector2f across = plane.slope.cwiseProduct(focal);
-      const Vector3f scaled(across.x(), across.y(), plane.value - across.dot(rays_[index]));
+      const Vector2f across = by_ray(plane.slope, x, y);
+      const Vector3f scaled(across.x(), across.y(), plane.value - across.dot(ray(x, y)));
       const float length = scaled.norm();
-      const float cosine =
-          plane.value / length / Vector3f(rays_[index].x(), rays_[index].y(), 1).norm();
+      const float cosine = plane.value / length / ray(x, y).homogeneous().norm();
       if (!(cosine >= static_cast<float>(options_.min_cosine))) continue;
       pixel.normal = scaled / length;
       pixel.offset_m = 1 / length;

@@ -62,9 +62,10 @@ struct FrameSurface {
 };
 
 // Makes frames of one camera ready. A plane is fitted about each pixel to the inverse depth, which
-// is linear in the pixel on a plane, from pairs of pixels on opposite sides: a pair takes part if
-// it lies on one line with the middle, give or take the noise, so that nothing is averaged over an
-// edge. A pixel whose nearest pairs do not all agree belongs to an outline and is no surface.
+// on a plane is linear in the ray, and within a few pixels in the pixel, from pairs of pixels on
+// opposite sides: a pair takes part if it lies on one line with the middle, give or take the noise,
+// so that nothing is averaged over an edge. A pixel whose nearest pairs do not all agree belongs to
+// an outline and is no surface.
 class FrameSurfaceMaker {
  public:
   // The options must be valid.
@@ -76,6 +77,13 @@ class FrameSurfaceMaker {
                                   const image::DepthImage& depth) const;
 
  private:
+  // What changes by so much a pixel, as change by the ray's x and y.
+  [[nodiscard]] Eigen::Vector2f by_ray(const Eigen::Vector2f& by_pixel, int x, int y) const;
+  [[nodiscard]] const Eigen::Vector2f& ray(int x, int y) const {
+    return rays_[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
+                 static_cast<std::size_t>(x)];
+  }
+
   geometry::PinholeCamera camera_;
   SurfaceOptions options_;
   std::vector<Eigen::Vector2f> rays_;  // of the real pixels, on the plane z = 1

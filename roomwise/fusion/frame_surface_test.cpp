@@ -30,7 +30,7 @@ TEST(FrameSurface, FindsThePlaneAtEveryPixelThroughAnyLens) {
       for (int x = 20; x < 320; x += 40) {
         const SurfacePixel& pixel = frame.pixels.at(x, y);
         if (!pixel.has_surface()) continue;
-        EXPECT_GT(pixel.normal.cast<double>().dot(down_camera), 0.98) << x << " " << y;
+        EXPECT_GT(pixel.normal.cast<double>().dot(down_camera), 0.9995) << x << " " << y;
         EXPECT_NEAR(pixel.distance_m(camera.unproject({x, y}, 1.0).cast<float>() *
                                      static_cast<float>(picture.depth.at(x, y) / 5000.0)),
                     0, 0.001);

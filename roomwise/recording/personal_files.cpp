@@ -111,7 +111,7 @@ std::string ending_of(const fs::path& path) {
   return ending;
 }
 
-// Whether files of this name are none that readers take and may say where somebody lives, or who.
+// Whether a file may, by its name, say where somebody lives, or who. No reader takes such names.
 bool may_tell(const fs::path& path) {
   constexpr std::array kEndings{".heic", ".heif", ".dng", ".plist", ".xml", ".gpx", ".kml"};
   std::string name = path.stem().string();

@@ -73,8 +73,8 @@ struct Bearing {
 // narrow side.
 [[nodiscard]] std::optional<Bearing> bearing_of(const KnownThing& thing, const Pose& pose);
 
-// The rooms from one to another through the fewest doors, both included; of several such ways the
-// one that comes first by name. Empty where doors do not lead there.
+// The rooms from one to another through the fewest doors, both included; of several such ways
+// always the same one. Empty where doors do not lead there.
 [[nodiscard]] std::vector<std::string> way_between_rooms(const std::string& from,
                                                          const std::string& to,
                                                          std::span<const rooms::Doorway> doorways);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kFirstRoom = std::size_t{1} << 16;
 // bzlib and zlib count in 32 bits; files keep each chunk far below.
-constexpr std::uint64_t kMaxPacked = std::uint64_t{1} << 30;
+constexpr std::uint64_t kMaxPacked = std::uint64_t{1} << 30, kMaxStep = kMaxPacked;
 // A Zstandard frame may ask for a window of any size; the library's own default for streams.
 constexpr int kMaxZstdWindowLog = 27;
 
@@ -128,8 +128,9 @@ Expected<Bytes> unpack_with(Packed packed, std::uint64_t size) {
   bool ended = false;
   for (bool moves = true; moves && !(ended && packed.empty());) {
     grow(out, filled, size);
+    const std::size_t room = std::min<std::size_t>(out.size() - filled, kMaxStep);
     ROOMWISE_TRY(const Step step,
-                 unpacker.step(packed, std::span<std::uint8_t>(out).subspan(filled)));
+                 unpacker.step(packed, std::span<std::uint8_t>(out).subspan(filled, room)));
     packed = packed.subspan(step.taken);
     filled += step.given;
     if (filled > size) return fail("holds more than the {} bytes that it should", size);
@@ -137,7 +138,7 @@ Expected<Bytes> unpack_with(Packed packed, std::uint64_t size) {
     moves = step.taken > 0 || step.given > 0;
   }
   if (filled != size) return fail("holds {} bytes instead of {}", filled, size);
-  if (!ended || !packed.empty()) return fail("does not end where it should; it was cut off");
+  if (!ended || !packed.empty()) return fail("does not end where it should");
   out.resize(filled);
   return out;
 }

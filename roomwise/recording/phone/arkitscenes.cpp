@@ -113,20 +113,29 @@ fs::path nearest(const TimedFiles& files, TimestampNs time) {
   return best;
 }
 
+// The folder of the largest pictures that have intrinsics beside them; empty where none have.
+std::string pictures_of(const fs::path& folder) {
+  std::error_code ignored;
+  for (const std::string which : {"vga_wide", "lowres_wide"}) {
+    if (fs::is_directory(folder / which, ignored) &&
+        fs::is_directory(folder / (which + "_intrinsics"), ignored)) {
+      return which;
+    }
+  }
+  return "";
+}
+
 }  // namespace
 
 bool is_arkitscenes_folder(const fs::path& folder) {
   std::error_code ignored;
-  return fs::is_directory(folder / "lowres_depth", ignored) &&
-         (fs::is_directory(folder / "lowres_wide_intrinsics", ignored) ||
-          fs::is_directory(folder / "vga_wide_intrinsics", ignored));
+  return fs::is_directory(folder / "lowres_depth", ignored) && !pictures_of(folder).empty();
 }
 
 Expected<std::unique_ptr<Recording>> open_arkitscenes_folder(const fs::path& folder,
                                                              const RecordingOptions& options) {
   std::error_code ignored;
-  const bool is_vga = fs::is_directory(folder / "vga_wide", ignored);
-  const std::string which = is_vga ? "vga_wide" : "lowres_wide";
+  const std::string which = pictures_of(folder);
   ROOMWISE_TRY(const auto colors, timed_files(folder / which, ".png"));
   ROOMWISE_TRY(const auto cameras, timed_files(folder / (which + "_intrinsics"), ".pincam"));
   ROOMWISE_TRY(const auto depths, timed_files(folder / "lowres_depth", ".png"));

@@ -123,6 +123,16 @@ TEST_F(PhoneFolders, ArkitscenesIsRead) {
   EXPECT_LT((poses[1].world_from_camera.translation + Eigen::Vector3d(1, 2, 3)).norm(), 1e-9);
 }
 
+TEST_F(PhoneFolders, ArkitscenesPicturesWithoutIntrinsicsAreLeft) {
+  write_arkitscenes();
+  write("vga_wide/4242_12.345.png", image::encode_png(image::ColorImage(640, 480)));
+  const auto recording = open();
+  ASSERT_OK(recording);
+  EXPECT_EQ((*recording)->frame(0).value()->color.width(), 64);
+  std::filesystem::remove_all(folder_ / "lowres_wide");
+  EXPECT_FALSE(is_arkitscenes_folder(folder_.path()));
+}
+
 TEST_F(PhoneFolders, ArkitscenesDamageIsNamed) {
   write_arkitscenes();
   write("lowres_wide.traj", std::string_view("12 0 0\n"));

@@ -12,7 +12,8 @@ bool is_placeholder(std::string_view piece) {
   return piece.size() > 2 && piece.front() == '{' && piece.back() == '}';
 }
 
-// The pieces between slashes, decoded each for itself: "%2F" is no slash.
+// The pieces between slashes, decoded each for itself: "%2F" is no slash. HttpConnection has
+// refused paths that cannot be decoded.
 std::vector<std::string> split(std::string_view path) {
   std::vector<std::string> pieces;
   while (!path.empty()) {

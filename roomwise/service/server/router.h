@@ -17,7 +17,7 @@ namespace roomwise::service {
 using Placeholders = std::map<std::string, std::string>;
 
 struct Route {
-  std::string method;  // "GET" answers HEAD too
+  std::string method;  // HEAD is asked for as "GET" (HttpConnection)
   // Pieces between slashes; a piece in braces stands for any one that is not empty:
   // "/api/recordings/{id}/rooms".
   std::string pattern;
@@ -25,7 +25,7 @@ struct Route {
   // Called on any of several threads at once.
   std::function<HttpAnswer(const HttpRequest&, const Placeholders&)> handler;
   std::size_t max_body_bytes = std::size_t{64} << 10U;
-  // Whether who keeps many homes is told that it was done: not of each piece of a file.
+  // Whether it goes into the operator's log of what was done: not each piece of a file.
   bool is_audited = true;
 };
 
