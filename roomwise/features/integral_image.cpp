@@ -78,7 +78,7 @@ void IntegralImage::reset(int width, int height) {
   width_ = width;
   height_ = height;
   stride_ = static_cast<std::size_t>(width) + 1;
-  sums_.resize(offset(height + 1) + kReadable);
+  sums_.resize(offset(height + 1) + kTailPadding);
   std::fill_n(sums_.begin(), stride_, 0U);
   for (int y = 1; y <= height; ++y) sums_[offset(y)] = 0;
 }

@@ -17,7 +17,7 @@ namespace roomwise::features {
 // most 16 million pixels of 8 bits (2^32 / 255), however large the picture is.
 class IntegralImage {
  public:
-  static constexpr std::size_t kReadable = 16;
+  static constexpr std::size_t kTailPadding = 16;
 
   IntegralImage() = default;
   explicit IntegralImage(const image::GrayImage& image);
@@ -35,7 +35,7 @@ class IntegralImage {
   [[nodiscard]] std::size_t stride() const { return stride_; }
 
   // row(y)[x]: the sum of the pixels in columns [0, x) and rows [0, y); 0 <= x <= width and
-  // 0 <= y <= height. Up to kReadable values beyond the end of a row may be read; they mean
+  // 0 <= y <= height. Up to kTailPadding values beyond the end of a row may be read; they mean
   // nothing.
   [[nodiscard]] const std::uint32_t* row(int y) const { return sums_.data() + offset(y); }
 

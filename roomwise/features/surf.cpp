@@ -117,7 +117,7 @@ Features SurfExtractor::extract(const image::GrayImage& image) const {
     const SurfLevel& level = pyramid.level_of_scale(keypoint.size_px / kWindow);
     const float x = level.from_picture(keypoint.position_px.x());
     const float y = level.from_picture(keypoint.position_px.y());
-    const float scale = keypoint.size_px / kWindow / level.pixel_px;
+    const float scale = keypoint.size_px / kWindow / level.pixel_size_px;
     if (!options_.upright) {
       keypoint.angle_rad = descriptor_.orientation_rad(level.integral, x, y, scale);
     }

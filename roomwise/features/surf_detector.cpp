@@ -29,7 +29,7 @@ constexpr int kLargestMargin = BoxFilter(static_cast<int>(kSurfLayers) - 1).marg
 // stay in the processor's nearest cache.
 constexpr int kStripSamples = 160;
 
-static_assert(IntegralImage::kReadable >= 2 * kSurfRowSlack);
+static_assert(IntegralImage::kTailPadding >= 2 * kSurfRowSlack);
 
 // Three layers that follow each other in scale.
 struct Neighbourhood {
@@ -95,7 +95,7 @@ float laplacian(const IntegralImage& integral, const BoxFilter& filter, int x, i
   const std::int64_t dxx = box(filter.margin, across) - 3 * box(filter.half_lobe, across);
   const std::int64_t dyy = box(across, filter.margin) - 3 * box(across, filter.half_lobe);
   return static_cast<float>(dxx + dyy) /
-         (SurfLevel::kUnits * static_cast<float>(filter.size * filter.size));
+         (SurfLevel::kIntensityScale * static_cast<float>(filter.size * filter.size));
 }
 
 // For principal curvatures of ratio r, trace^2 / determinant is (r + 1)^2 / r (Lowe 2004, 4.1).
@@ -116,8 +116,8 @@ int next_mark(const std::int32_t* marks, int x, int end) {
 
 }  // namespace
 
-// One search of a level. Samples are `step` pixels apart in both directions: 1 or 2. Every second
-// column is read by eights from rows that were split into even and odd ones.
+// One search of a level. SampleRange are `step` pixels apart in both directions: 1 or 2. Every
+// second column is read by eights from rows that were split into even and odd ones.
 class SurfDetector::Search {
  public:
   Search(SurfDetector& memory, const SurfLevel& level, const SurfOptions& options, Simd simd,
@@ -126,7 +126,7 @@ class SurfDetector::Search {
         level_(level),
         threshold_(static_cast<float>(options.hessian_threshold)),
         max_trace_ratio_(max_squared_trace_over_determinant(options)),
-        shift_(level.pixel_px < 1 ? 1 : 0),
+        shift_(level.pixel_size_px < 1 ? 1 : 0),
         stride_(static_cast<std::size_t>(level.integral.width() >> shift_) + 1 + kSurfRowSlack),
         blobs_(blobs) {
     const auto take = [&](auto& values, std::size_t rows) {
@@ -136,7 +136,7 @@ class SurfDetector::Search {
     split_ = take(memory.split_, 2 * kSplitRows);
     differences_ = take(memory.differences_, 6);
     responses_ = take(memory.responses_, 3 * kSurfLayers);
-    highest_ = take(memory.highest_, 2);
+    column_maxima_ = take(memory.column_maxima_, 2);
     marks_ = take(memory.marks_, 2);
   }
 
@@ -156,9 +156,9 @@ class SurfDetector::Search {
   static constexpr int kSplitRows = 32;
   static_assert(kSplitRows >= 2 * kLargestMargin + 2);
 
-  void search_strip(const Samples& columns, const Samples& rows) {
+  void search_strip(const SampleRange& columns, const SampleRange& rows) {
     int split_end = (rows.first << shift_) - kLargestMargin;
-    const MarkRows marks{{highest_, highest_ + stride_}, {marks_, marks_ + stride_}};
+    const MarkRows marks{{column_maxima_, column_maxima_ + stride_}, {marks_, marks_ + stride_}};
     const auto responses = [&](std::size_t layer, int row) {
       return responses_ + (3 * layer + static_cast<std::size_t>(row % 3)) * stride_;
     };
@@ -185,11 +185,11 @@ class SurfDetector::Search {
     return split_ + static_cast<std::size_t>(2 * (y % kSplitRows) + odd) * stride_;
   }
   // The samples that filters at these reach, in split rows where rows are split.
-  [[nodiscard]] Samples reach(const Samples& samples, int margin) const {
+  [[nodiscard]] SampleRange reach(const SampleRange& samples, int margin) const {
     return {samples.first + (-margin >> shift_), samples.end + ((margin + 1) >> shift_)};
   }
 
-  void respond(const BoxFilter& filter, int y, const Samples& columns, float* responses) const {
+  void respond(const BoxFilter& filter, int y, const SampleRange& columns, float* responses) const {
     for (int odd = 0; odd <= shift_; ++odd) {
       const auto row = [&](int by) -> const std::uint32_t* {
         return shift_ > 0 ? split_row(y + by, odd) : level_.integral.row(y + by);
@@ -209,7 +209,8 @@ class SurfDetector::Search {
         {column(0, -filter.margin), column(0, -filter.half_lobe), column(0, filter.half_lobe + 1),
          column(0, filter.margin + 1)},
         {column(2, -filter.lobe), column(2, 0), column(2, 1), column(2, filter.lobe + 1)}};
-    const float per_area = 1 / (SurfLevel::kUnits * static_cast<float>(filter.size * filter.size));
+    const float per_area =
+        1 / (SurfLevel::kIntensityScale * static_cast<float>(filter.size * filter.size));
     kernels_.respond(around, per_area, columns, responses);
   }
 
@@ -218,7 +219,7 @@ class SurfDetector::Search {
   }
 
   // Keeps the maxima among the marked places of the middle row.
-  void find_maxima(const LayerRows& rows, std::size_t layer, int row, const Samples& columns,
+  void find_maxima(const LayerRows& rows, std::size_t layer, int row, const SampleRange& columns,
                    const std::int32_t* marks) {
     const Neighbourhood layers{rows[layer - 1], rows[layer], rows[layer + 1]};
     const BoxFilter filter(static_cast<int>(layer));
@@ -233,7 +234,7 @@ class SurfDetector::Search {
       const double size = filter.size + refined->offset.z() * BoxFilter::kStep;
       blobs_.push_back({{level_.to_picture(static_cast<float>(step * (i + refined->offset.x()))),
                          level_.to_picture(static_cast<float>(step * (row + refined->offset.y())))},
-                        static_cast<float>(size) * kScalePerFilterPx * level_.pixel_px,
+                        static_cast<float>(size) * kScalePerFilterPx * level_.pixel_size_px,
                         static_cast<float>(refined->value),
                         trace < 0});
     }
@@ -245,7 +246,7 @@ class SurfDetector::Search {
   int shift_;           // log2 of the step
   std::size_t stride_;  // from one row to the next, of all that follow
   std::uint32_t *split_, *differences_;
-  float *responses_, *highest_;
+  float *responses_, *column_maxima_;
   std::int32_t* marks_;
   std::vector<Blob>& blobs_;
 };

@@ -37,7 +37,7 @@ class SurfDetector {
   std::vector<std::uint32_t> split_;  // rows of the integral image, even and odd columns apart
   std::vector<std::uint32_t> differences_;  // along one row, of the three filters
   std::vector<float> responses_;            // of the last three rows, by layer
-  std::vector<float> highest_;
+  std::vector<float> column_maxima_;
   std::vector<std::int32_t> marks_;
 };
 

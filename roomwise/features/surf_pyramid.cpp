@@ -146,11 +146,11 @@ void SurfPyramid::build(const image::GrayImage& picture, int sizes, bool doubled
   const PyramidKernels& kernels = pyramid_kernels(simd);
   kernels.smooth_picture(picture, row_, smooth_);
   const WideImage* last = &smooth_;
-  float pixel_px = doubled ? 0.5F : 1;
-  for (std::size_t i = 0; i < levels_.size(); ++i, pixel_px *= 2) {
+  float pixel_size_px = doubled ? 0.5F : 1;
+  for (std::size_t i = 0; i < levels_.size(); ++i, pixel_size_px *= 2) {
     SurfLevel& level = levels_[i];
-    level.pixel_px = pixel_px;
-    if (pixel_px < 1) {
+    level.pixel_size_px = pixel_size_px;
+    if (pixel_size_px < 1) {
       level.integral.reset(2 * picture.width(), 2 * picture.height());
       doubled_row_.resize(static_cast<std::size_t>(level.integral.width()));
       for (int y = 0; y < level.integral.height(); ++y) {
@@ -158,7 +158,7 @@ void SurfPyramid::build(const image::GrayImage& picture, int sizes, bool doubled
         level.integral.set_row(y, doubled_row_, simd);
       }
     } else {
-      if (pixel_px > 1) {
+      if (pixel_size_px > 1) {
         if (std::min(last->width(), last->height()) < 2) return;
         kernels.halve(*last, row_, halved_[i]);
         last = &halved_[i];
@@ -177,7 +177,7 @@ void SurfPyramid::build(const image::GrayImage& picture, int sizes, bool doubled
 const SurfLevel& SurfPyramid::level_of_scale(float scale) const {
   constexpr float kMax = 3.2F;
   const auto found = std::ranges::find_if(
-      levels(), [&](const SurfLevel& level) { return scale < kMax * level.pixel_px; });
+      levels(), [&](const SurfLevel& level) { return scale < kMax * level.pixel_size_px; });
   return found == levels().end() ? levels().back() : *found;
 }
 

@@ -9,16 +9,18 @@
 namespace roomwise::features {
 
 // A picture at one of the sizes at which SURF looks at it. Intensities are those of the picture
-// times kUnits, so that smoothing keeps its fractions.
+// times kIntensityScale, so that smoothing keeps its fractions.
 struct SurfLevel {
-  static constexpr float kUnits = 16;
+  static constexpr float kIntensityScale = 16;
   IntegralImage integral;
-  float pixel_px = 1;  // a pixel of the level, in those of the picture
+  float pixel_size_px = 1;  // a pixel of the level, in those of the picture
 
   // Centres of pixels are whole numbers in both.
-  [[nodiscard]] float to_picture(float place) const { return (place + 0.5F) * pixel_px - 0.5F; }
+  [[nodiscard]] float to_picture(float place) const {
+    return (place + 0.5F) * pixel_size_px - 0.5F;
+  }
   [[nodiscard]] float from_picture(float place_px) const {
-    return (place_px + 0.5F) / pixel_px - 0.5F;
+    return (place_px + 0.5F) / pixel_size_px - 0.5F;
   }
 };
 
@@ -38,7 +40,7 @@ class SurfPyramid {
   [[nodiscard]] const SurfLevel& level_of_scale(float scale) const;
 
  private:
-  // Intensities times kUnits.
+  // Intensities times kIntensityScale.
   using WideImage = image::Image<std::uint16_t>;
 
   std::vector<SurfLevel> levels_;

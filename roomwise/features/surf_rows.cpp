@@ -14,7 +14,7 @@ using UInt = typename Lanes<simd>::UInt;
 
 // Columns 2 i of a row go to even[i], columns 2 i + 1 to odd[i].
 template <Simd simd>
-[[gnu::always_inline]] inline void split_row(const std::uint32_t* row, const Samples& samples,
+[[gnu::always_inline]] inline void split_row(const std::uint32_t* row, const SampleRange& samples,
                                              std::uint32_t* even, std::uint32_t* odd) {
   for (int i = samples.first; i < samples.end; i += kCount<simd>) {
     UInt<simd> a, b;
@@ -31,7 +31,8 @@ template <Simd simd>
 }
 
 template <Simd simd>
-[[gnu::always_inline]] inline void difference_rows(const FilterRows& from, const Samples& samples,
+[[gnu::always_inline]] inline void difference_rows(const FilterRows& from,
+                                                   const SampleRange& samples,
                                                    const Differences& to) {
   const FilterRows rows = from;
   const Differences target = to;
@@ -55,11 +56,11 @@ template <Simd simd>
 }
 
 // responses[i] becomes the determinant of the Hessian at sample i. Sums are modulo 2^32, the
-// derivatives themselves fit: at most 2/9 of the filter's pixels times 255 * kUnits on either side
-// of zero.
+// derivatives themselves fit: at most 2/9 of the filter's pixels times 255 * kIntensityScale on
+// either side of zero.
 template <Simd simd>
 [[gnu::always_inline]] inline void respond_along_row(const FilterColumns& from, float per_area,
-                                                     const Samples& samples, float* responses) {
+                                                     const SampleRange& samples, float* responses) {
   const FilterColumns columns = from;
   const float per_squared_area = per_area * per_area;
   for (int i = samples.first; i < samples.end; i += kCount<simd>) {
@@ -113,7 +114,7 @@ template <Simd simd>
 
 // Marks what may be maxima in the middle one of three rows.
 template <Simd simd>
-[[gnu::always_inline]] inline void mark_along_row(const LayerRows& rows, const Samples& samples,
+[[gnu::always_inline]] inline void mark_along_row(const LayerRows& rows, const SampleRange& samples,
                                                   float threshold, const MarkRows& to) {
   for (int x = samples.first; x < samples.end; x += kCount<simd>) {
     Float<simd> finest, fine, coarse, coarsest;
@@ -124,24 +125,25 @@ template <Simd simd>
     const Float<simd> both = fine > coarse ? fine : coarse;
     const Float<simd> lower = finest > both ? finest : both;
     const Float<simd> upper = coarsest > both ? coarsest : both;
-    store(lower, to.highest[0] + x);
-    store(upper, to.highest[1] + x);
+    store(lower, to.column_maxima[0] + x);
+    store(upper, to.column_maxima[1] + x);
   }
   for (int x = samples.first + 1; x < samples.end - 1; x += kCount<simd>) {
-    mark<simd>(rows[1][1] + x, to.highest[0] + x, threshold, to.marks[0] + x);
-    mark<simd>(rows[2][1] + x, to.highest[1] + x, threshold, to.marks[1] + x);
+    mark<simd>(rows[1][1] + x, to.column_maxima[0] + x, threshold, to.marks[0] + x);
+    mark<simd>(rows[2][1] + x, to.column_maxima[1] + x, threshold, to.marks[1] + x);
   }
 }
 
 #define ROOMWISE_KERNELS(name, simd, target)                                                       \
   constexpr SurfRowKernels name {                                                                  \
-    [](const std::uint32_t* row, const Samples& samples, std::uint32_t* even, std::uint32_t* odd)  \
-        target { split_row<simd>(row, samples, even, odd); },                                      \
-        [](const FilterRows& rows, const Samples& samples, const Differences& to)                  \
+    [](const std::uint32_t* row, const SampleRange& samples, std::uint32_t* even,                  \
+       std::uint32_t* odd) target { split_row<simd>(row, samples, even, odd); },                   \
+        [](const FilterRows& rows, const SampleRange& samples, const Differences& to)              \
             target { difference_rows<simd>(rows, samples, to); },                                  \
-        [](const FilterColumns& columns, float per_area, const Samples& samples, float* responses) \
+        [](const FilterColumns& columns, float per_area, const SampleRange& samples,               \
+           float* responses)                                                                       \
             target { respond_along_row<simd>(columns, per_area, samples, responses); },            \
-        [](const LayerRows& rows, const Samples& samples, float threshold, const MarkRows& to)     \
+        [](const LayerRows& rows, const SampleRange& samples, float threshold, const MarkRows& to) \
             target { mark_along_row<simd>(rows, samples, threshold, to); }                         \
   }
 ROOMWISE_KERNELS(kPortableRows, Simd::kPortable, );

@@ -13,7 +13,7 @@ namespace roomwise::features {
 inline constexpr std::size_t kSurfLayers = 4;
 
 // The samples [first, end) of a row.
-struct Samples {
+struct SampleRange {
   int first, end;
 };
 
@@ -23,7 +23,7 @@ using LayerRows = std::array<ThreeRows, kSurfLayers>;
 // Of the two layers in the middle: the greatest response of each column around, and which
 // responses may be maxima.
 struct MarkRows {
-  std::array<float*, 2> highest;
+  std::array<float*, 2> column_maxima;
   std::array<std::int32_t*, 2> marks;
 };
 
@@ -50,14 +50,15 @@ struct FilterColumns {
 // The same code for each kind of processor; without fused multiplications all give the same bits.
 struct SurfRowKernels {
   // Columns 2 i of a row go to even[i], columns 2 i + 1 to odd[i].
-  void (*split)(const std::uint32_t* row, const Samples&, std::uint32_t* even, std::uint32_t* odd);
-  void (*difference)(const FilterRows&, const Samples&, const Differences&);
+  void (*split)(const std::uint32_t* row, const SampleRange&, std::uint32_t* even,
+                std::uint32_t* odd);
+  void (*difference)(const FilterRows&, const SampleRange&, const Differences&);
   // responses[i] becomes the determinant of the Hessian at sample i; per_area makes intensities of
   // the filters' sums.
-  void (*respond)(const FilterColumns&, float per_area, const Samples&, float* responses);
+  void (*respond)(const FilterColumns&, float per_area, const SampleRange&, float* responses);
   // Marks what may be maxima in the middle one of three rows: all bits or none of marks[k][i] for
   // sample i of layer k + 1.
-  void (*mark)(const LayerRows&, const Samples&, float threshold, const MarkRows&);
+  void (*mark)(const LayerRows&, const SampleRange&, float threshold, const MarkRows&);
 };
 [[nodiscard]] const SurfRowKernels& surf_row_kernels(Simd simd);
 

@@ -62,9 +62,9 @@ class FarthestSeen {
 
  private:
   static float depth_m(const FrameSurface& frame, const SurfacePixel& pixel, int x, int y) {
-    if (!pixel.has_surface()) return pixel.empty_to_m;
+    if (!pixel.has_surface()) return pixel.free_to_m;
     const Vector3f ray = frame.camera.unproject_undistorted({x, y}, 1.0).cast<float>();
-    return std::max(pixel.empty_to_m, pixel.offset_m / pixel.normal.dot(ray));
+    return std::max(pixel.free_to_m, pixel.offset_m / pixel.normal.dot(ray));
   }
 
   image::Image<float> farthest_m_;
@@ -162,7 +162,7 @@ class FrameView {
     const SurfacePixel& pixel =
         FarthestSeen::pixel_of_ideal(frame_, static_cast<int>(px), static_cast<int>(py));
     if (pixel.has_surface()) return observe_surface(pixel, point);
-    if (point.z() + truncation_m_ < pixel.empty_to_m) {
+    if (point.z() + truncation_m_ < pixel.free_to_m) {
       return {kDistanceSteps, pixel.weight, nullptr};
     }
     return {};

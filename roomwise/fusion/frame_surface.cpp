@@ -39,18 +39,19 @@ constexpr std::array<Offset, 16> kPairs{{{1, 0},
 struct LocalPlane {
   float value = 0;
   Vector2f slope = Vector2f::Zero();
-  bool is_outline = false;
+  bool is_depth_edge = false;
 };
 
 // How far the middle of a pair may lie off the line between its two ends: three sigmas of
 // a + b - 2 c.
-float max_bend(const SurfaceOptions& options) {
+float second_difference_threshold(const SurfaceOptions& options) {
   return static_cast<float>(3 * std::sqrt(6.0) * options.depth_noise_at_1m_m);
 }
 
 // `ridge` holds the slope near 0 where few pairs tell of it: the square of noise over what slope is
 // likely.
-LocalPlane fit_plane(const InverseDepth& inverse, int x, int y, float bend, float ridge) {
+LocalPlane fit_plane(const InverseDepth& inverse, int x, int y, float max_second_difference,
+                     float ridge) {
   LocalPlane plane;
   const float middle = inverse.at(x, y);
   float sum = middle, count = 1;
@@ -62,10 +63,11 @@ LocalPlane fit_plane(const InverseDepth& inverse, int x, int y, float bend, floa
       ahead = inverse.at(x + dx, y + dy);
       behind = inverse.at(x - dx, y - dy);
     }
-    const bool agrees = ahead > 0 && behind > 0 && std::abs(ahead + behind - 2 * middle) < bend;
+    const bool agrees =
+        ahead > 0 && behind > 0 && std::abs(ahead + behind - 2 * middle) < max_second_difference;
     if (!agrees) {
       if (i < kNearestPairs) {
-        plane.is_outline = true;
+        plane.is_depth_edge = true;
         return plane;
       }
       continue;
@@ -119,7 +121,7 @@ PixelTable make_pixel_table(const geometry::PinholeCamera& camera) {
 
 std::uint8_t weight_at(double depth_m, double cosine, const SurfaceOptions& options) {
   const double noise_m = options.depth_noise_at_1m_m * depth_m * depth_m;
-  const double common2 = options.common_noise_m * options.common_noise_m;
+  const double common2 = options.noise_floor_m * options.noise_floor_m;
   const double share = common2 / (common2 + noise_m * noise_m) * cosine;
   return static_cast<std::uint8_t>(
       std::clamp(std::lround(kMaxPixelWeight * share), 1L, static_cast<long>(kMaxPixelWeight)));
@@ -132,8 +134,7 @@ Expected<void> SurfaceOptions::validate() const {
   if (!(depth_noise_at_1m_m > 0)) {
     return fail("depth_noise_at_1m_m is {}; expected more than 0", depth_noise_at_1m_m);
   }
-  if (!(common_noise_m > 0))
-    return fail("common_noise_m is {}; expected more than 0", common_noise_m);
+  if (!(noise_floor_m > 0)) return fail("noise_floor_m is {}; expected more than 0", noise_floor_m);
   if (!(min_cosine >= 0 && min_cosine < 1)) {
     return fail("min_cosine is {}; expected 0 or more and less than 1", min_cosine);
   }
@@ -180,7 +181,7 @@ FrameSurface FrameSurfaceMaker::make(const image::ColorImage& color,
                                              kOutlineReach_px, /*along_x=*/false);
 
   FrameSurface frame{camera_, real_from_ideal_, {camera_.width, camera_.height}, options_};
-  const float bend = max_bend(options_);
+  const float max_second_difference = second_difference_threshold(options_);
   const auto min_inverse = static_cast<float>(1 / options_.farthest_m);
   for (int y = 0; y < camera_.height; ++y) {
     for (int x = 0; x < camera_.width; ++x) {
@@ -188,14 +189,15 @@ FrameSurface FrameSurfaceMaker::make(const image::ColorImage& color,
       if (middle <= 0) continue;
       SurfacePixel& pixel = frame.pixels.at(x, y);
       pixel.color = color.at(x, y);
-      pixel.empty_to_m = 1 / std::max(nearest.at(x, y), min_inverse);
-      pixel.weight = weight_at(pixel.empty_to_m, 1, options_);
+      pixel.free_to_m = 1 / std::max(nearest.at(x, y), min_inverse);
+      pixel.weight = weight_at(pixel.free_to_m, 1, options_);
       if (middle < min_inverse) continue;
       // A slope of 45 degrees is likely.
       const float ridge_root =
           static_cast<float>(options_.depth_noise_at_1m_m * camera_.fx) / middle;
-      const LocalPlane plane = fit_plane(inverse, x, y, bend, ridge_root * ridge_root);
-      if (plane.is_outline) continue;
+      const LocalPlane plane =
+          fit_plane(inverse, x, y, max_second_difference, ridge_root * ridge_root);
+      if (plane.is_depth_edge) continue;
       // q = n . (ray, 1) on the plane n . p = 1, with q the inverse depth.
       const Vector2f across = by_ray(plane.slope, x, y);
       const Vector3f scaled(across.x(), across.y(), plane.value - across.dot(ray(x, y)));

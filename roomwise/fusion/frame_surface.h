@@ -18,7 +18,7 @@ struct SurfaceOptions {
   // Elberink, Sensors 12, 2012).
   double depth_noise_at_1m_m = 0.0014;
   // What does not grow with the distance: errors of poses and calibration.
-  double common_noise_m = 0.003;
+  double noise_floor_m = 0.003;
   // Surfaces seen more slantwise than that (cosine of the angle between ray and normal) are left to
   // other frames.
   double min_cosine = 0.2;
@@ -37,7 +37,7 @@ struct SurfacePixel {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   float offset_m = 0;
   // Nothing was seen nearer than this, along the optical axis; 0: nothing was measured.
-  float empty_to_m = 0;
+  float free_to_m = 0;
   // Proportional to 1 / sigma^2 of the distance, 1 to kMaxPixelWeight.
   std::uint8_t weight = 0;
   Rgb8 color;
