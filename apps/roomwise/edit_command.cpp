@@ -232,7 +232,7 @@ Expected<Answer> list(const EditOptions& options, Context& context) {
 
 Expected<Answer> undo(const EditOptions& options, Context& context) {
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
-  ROOMWISE_TRY(const auto edits, home.edits());
+  ROOMWISE_TRY(const auto edits, pipeline::stored_edits(home));  // marked places are none
   if (edits.empty()) return fail("{}: nothing was changed by hand", home.file());
   const home::EditId id = options.change != 0 ? options.change : edits.back().id;
   std::optional<pipeline::StoredEdit> undone;

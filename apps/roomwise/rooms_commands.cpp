@@ -195,7 +195,7 @@ Expected<rooms::LearningReport> learn_keyframes(const LearnOptions& options, Con
     ROOMWISE_TRY(const home::RecordingId walk,
                  find_walk(home, options.walks.empty() ? "" : options.walks.front()));
     ROOMWISE_TRY(const recording::RoomLabels labels, recording::RoomLabels::read(options.labels));
-    ROOMWISE_CHECK_OK(pipeline::name_rooms(home, walk, labels));
+    ROOMWISE_CHECK_OK(pipeline::name_frames(home, command_line_author(), walk, labels));
   }
   ROOMWISE_TRY(const pipeline::RoomSelection selection, parse(options.selection));
   pipeline::Networks networks;  // what they saw in the key-frames themselves is stored

@@ -42,18 +42,11 @@ std::vector<Vector3d> level_vertices(const TriangleMesh& mesh, const Vector3d& u
   return places;
 }
 
-// The height of the floor under the lowest camera, to about a bin.
-std::optional<double> floor_height_m(const std::vector<Vector3d>& level, const Vector3d& up,
-                                     std::span<const RigidTransform> cameras) {
+// The height of the floor below `highest_m`, to about a bin.
+std::optional<double> floor_below_m(double highest_m, const std::vector<Vector3d>& level,
+                                    const Vector3d& up) {
   constexpr double kBin_m = 0.02;
-  constexpr double kCameraAboveFloor_m = 0.3;
   constexpr std::size_t kFewest = 200;  // vertices: 0.08 m^2 of floor at 2 cm
-  if (level.empty() || cameras.empty()) return std::nullopt;
-  double highest_m = up.dot(cameras.front().translation);
-  for (const RigidTransform& camera : cameras) {
-    highest_m = std::min(highest_m, up.dot(camera.translation));
-  }
-  highest_m -= kCameraAboveFloor_m;
   double lowest_m = highest_m;
   for (const Vector3d& place : level) lowest_m = std::min(lowest_m, up.dot(place));
   const auto bin_of = [&](double height_m) {
@@ -73,6 +66,22 @@ std::optional<double> floor_height_m(const std::vector<Vector3d>& level, const V
   std::size_t floor = 1;
   while (around[floor] < fullest / 3 || around[floor] < around[floor + 1]) ++floor;
   return lowest_m + (static_cast<double>(floor) - 0.5) * kBin_m;
+}
+
+// The height of the floor under the lowest camera; where there is none, under all but the lowest
+// tenth of the cameras: somebody may have held one low.
+std::optional<double> floor_height_m(const std::vector<Vector3d>& level, const Vector3d& up,
+                                     std::span<const RigidTransform> cameras) {
+  constexpr double kCameraAboveFloor_m = 0.3;
+  if (level.empty() || cameras.empty()) return std::nullopt;
+  std::vector<double> heights_m;
+  for (const RigidTransform& camera : cameras) heights_m.push_back(up.dot(camera.translation));
+  std::ranges::sort(heights_m);
+  const auto under = [&](double camera_m) {
+    return floor_below_m(camera_m - kCameraAboveFloor_m, level, up);
+  };
+  const auto floor_m = under(heights_m.front());
+  return floor_m ? floor_m : under(heights_m[heights_m.size() / 10]);
 }
 
 // The plane through the places that lie near `plane`, where they spread far enough to tell of a

@@ -65,6 +65,16 @@ TEST_F(GravityAlignedFrameTest, StandsOnTheFloorUnderTheFirstCamera) {
   EXPECT_GT(looked.x(), 0);
 }
 
+TEST_F(GravityAlignedFrameTest, ACameraThatWasHeldLowHidesNoFloor) {
+  see({half_space(Vector3d::UnitZ(), 0), half_space(-Vector3d::UnitY(), -2.0)});
+  for (int i = 0; i < 3; ++i)
+    cameras_.insert(cameras_.end(), cameras_.begin(), cameras_.begin() + 8);
+  cameras_.push_back(room_from_world_.inverse() * looking_at({0, -1.2, 0.2}, {0.5, 0.8, 0.3}));
+  const GravityAlignedFrame frame = find_gravity_aligned_frame(mesh_, cameras_);
+  EXPECT_TRUE(frame.has_floor);
+  EXPECT_NEAR((frame.gravity_from_world * Vector3d::Zero()).z(), 1.5, 0.01);
+}
+
 TEST_F(GravityAlignedFrameTest, SaysThatThereIsNoFloor) {
   see({half_space(-Vector3d::UnitY(), -2.0)});
   const GravityAlignedFrame frame = find_gravity_aligned_frame(mesh_, cameras_);

@@ -392,7 +392,8 @@ std::optional<Staircase> staircase_along(const Climb& climb, const TriangleMesh&
   return stairs;
 }
 
-// The same flight is walked more than once: the walk that shows most of it tells.
+// The same flight is walked more than once: the first walk on which its steps could be counted
+// tells.
 void keep_best(Staircase stairs, std::vector<Staircase>& all) {
   constexpr double kSame_m = 1.0;
   const auto known = std::ranges::find_if(all, [&](const Staircase& one) {

@@ -218,10 +218,12 @@ Expected<void> Database::copy_to(Database& copy) const {
   if (!backup) return Unexpected(describe_error(copy.handle(), copy.file_));
   const int result = sqlite3_backup_step(backup.get(), -1);
   if (result == SQLITE_DONE) return {};
-  backup.reset();
-  const bool is_source = sqlite3_errcode(copy.handle()) == SQLITE_OK;
-  return Unexpected(is_source ? describe_error(handle(), file_)
-                              : describe_error(copy.handle(), copy.file_));
+  backup.reset();  // puts the error on the copy, wherever it arose
+  // What is new is not damaged.
+  const int kind = result & 0xff;
+  const bool is_source =
+      kind == SQLITE_CORRUPT || kind == SQLITE_NOTADB || result == kWrongChecksum;
+  return Unexpected(describe_error(copy.handle(), is_source ? file_ : copy.file_));
 }
 
 Expected<Statement> Database::prepare_sql(std::string_view sql) const {

@@ -438,6 +438,8 @@ class Home {
   [[nodiscard]] Expected<void> forget_learned_rooms();
   // The newest; absent where nothing was learned yet.
   [[nodiscard]] Expected<std::optional<RoomClassifierRecord>> room_classifier() const;
+  [[nodiscard]] Expected<std::vector<RoomClassifierRecord>> room_classifiers()
+      const;  // newest first
   // In which room the classifier believes each key-frame to be; takes the place of all earlier
   // ones.
   [[nodiscard]] Expected<void> replace_keyframe_rooms(

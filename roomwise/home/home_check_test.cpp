@@ -98,7 +98,7 @@ TEST_F(HomeChecked, IsNotCopiedWhereItIsDamaged) {
   const Bytes color = Home::open_read_only(path_)->images(1)->color;
   damage({reinterpret_cast<const char*>(color.data()), color.size()});
   const std::filesystem::path copy = folder_ / "copy.home";
-  EXPECT_ERROR(Home::open_read_only(path_)->copy_to(copy), "is damaged");
+  EXPECT_ERROR(Home::open_read_only(path_)->copy_to(copy), path_.string() + ": is damaged");
   EXPECT_FALSE(std::filesystem::exists(copy));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "copy.home.part"));
 }

@@ -97,9 +97,8 @@ Expected<OwnThingId> Home::add_own_thing(const OwnThing& thing,
           database_.run("UPDATE own_thing_views SET picture = ?, mask = ? WHERE view_id = ?",
                         picture, mask, view_id));
     }
-    return {};
+    return put_own_thing_sighting(id, thing.last_seen);
   }));
-  ROOMWISE_CHECK_OK(put_own_thing_sighting(id, thing.last_seen));
   return id;
 }
 

@@ -58,6 +58,15 @@ TEST_F(OwnThings, ComeBackAsTheyWereTaught) {
   EXPECT_EQ(home.own_thing_views(things[0].id).value(), two_views());
 }
 
+TEST_F(OwnThings, AreKnownWhollyOrNotAtAll) {
+  Home home = Home::create(path_).value();
+  OwnThing seen = mug();
+  seen.last_seen.keyframe = 99;
+  EXPECT_FALSE(home.add_own_thing(seen, two_views())) << "there is no such key-frame";
+  EXPECT_TRUE(home.own_things().value().empty());
+  EXPECT_OK(home.add_own_thing(mug(), two_views()));
+}
+
 TEST_F(OwnThings, ArePrivateToTheirOwnerUntilTheyAreShared) {
   Home home = Home::create(path_).value();
   const OwnThingId id = home.add_own_thing(mug(), two_views()).value();

@@ -127,11 +127,12 @@ Expected<void> Home::reseal_pictures(const std::map<KeyframeId, KeyframeId>& old
                                                      column.column, column.table),
                                          id));
       if (!stored || !is_sealed(*stored)) continue;
-      ROOMWISE_TRY(const Bytes picture, decrypt_if_sealed(old, column.kind, *std::move(stored)));
       if (!cipher_) return Unexpected(locked_error());
+      const auto picture = cipher_->open(old, column.kind, *std::move(stored));
+      if (!picture) continue;  // damaged: it cannot be read under any number
       ROOMWISE_CHECK_OK(database_.run(
           fmt::format("UPDATE {} SET {} = ? WHERE keyframe_id = ?", column.table, column.column),
-          cipher_->seal(id, column.kind, picture), id));
+          cipher_->seal(id, column.kind, *picture), id));
     }
   }
   return {};

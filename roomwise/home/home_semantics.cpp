@@ -278,15 +278,20 @@ Expected<void> Home::forget_learned_rooms() {
 }
 
 Expected<std::optional<RoomClassifierRecord>> Home::room_classifier() const {
-  std::optional<RoomClassifierRecord> newest;
-  ROOMWISE_CHECK_OK(database_.for_each(
+  ROOMWISE_TRY(auto all, room_classifiers());
+  if (all.empty()) return std::optional<RoomClassifierRecord>();
+  return std::optional(std::move(all.front()));
+}
+
+Expected<std::vector<RoomClassifierRecord>> Home::room_classifiers() const {
+  return collect<std::vector<RoomClassifierRecord>>(
+      database_,
       "SELECT network_name, network_fingerprint, classifier, report FROM room_classifiers "
-      "ORDER BY classifier_id DESC LIMIT 1",
-      [&](const Statement& row) {
-        newest = RoomClassifierRecord{row.column<std::string>(0), row.column<std::string>(1),
-                                      row.column<Bytes>(2), row.column<std::string>(3)};
-      }));
-  return newest;
+      "ORDER BY classifier_id DESC",
+      [](const Statement& row) {
+        return RoomClassifierRecord{row.column<std::string>(0), row.column<std::string>(1),
+                                    row.column<Bytes>(2), row.column<std::string>(3)};
+      });
 }
 
 Expected<void> Home::replace_picture_features(const std::string& network_fingerprint,

@@ -113,6 +113,13 @@ PyramidLevel shrink_images(const image::GrayImage& gray, const image::DepthImage
 
 }  // namespace
 
+bool RgbdPyramid::has_depth(double min_share) const {
+  if (empty()) return false;
+  const auto& pixels = levels.back().depth.pixels();
+  const auto measured = std::ranges::count_if(pixels, [](std::uint16_t mm) { return mm > 0; });
+  return static_cast<double>(measured) >= min_share * static_cast<double>(pixels.size());
+}
+
 Expected<void> RgbdPyramidOptions::validate() const {
   if (shrink < 1 || shrink > kMaxShrink)
     return fail("shrink = {} must be from 1 to {}", shrink, kMaxShrink);

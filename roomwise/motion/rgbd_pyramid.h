@@ -21,6 +21,8 @@ struct RgbdPyramid {
   std::vector<PyramidLevel> levels;  // each half as large as the one before
 
   [[nodiscard]] bool empty() const { return levels.empty(); }
+  // Whether depth was measured in that share of the smallest level's pixels.
+  [[nodiscard]] bool has_depth(double min_share) const;
 };
 
 struct RgbdPyramidOptions {

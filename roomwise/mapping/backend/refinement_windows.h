@@ -12,7 +12,7 @@ namespace roomwise::mapping {
 // A part of a map that is adjusted while the rest is held. Ids ascend.
 struct RefinementWindow {
   std::vector<KeyframeId> own;     // are moved; in one window each
-  std::vector<KeyframeId> around;  // may show the same as some of these, and are held
+  std::vector<KeyframeId> around;  // may show the same as some of these
 };
 
 // Divides a map into windows of at most `max_own` key-frames each, which grow from the earliest

@@ -17,7 +17,7 @@ using geometry::RigidTransform;
 // An edge between two parts of the map, each solved for itself.
 struct Join {
   std::size_t edge = 0;
-  KeyframeId a = 0, b = 0;  // of the earlier and the later walk
+  KeyframeId a = 0, b = 0;  // of the part with the lower number, and of the other
   RigidTransform a_world_from_b_world;
 };
 
@@ -27,9 +27,12 @@ class JoinChecker {
       : within_(within), options_(options) {}
 
   [[nodiscard]] Join join_of(const PoseGraphEdge& edge, std::size_t index) const {
-    const bool goes_back = edge.from > edge.to;
-    const KeyframeId a = std::min(edge.from, edge.to), b = std::max(edge.from, edge.to);
-    const RigidTransform a_from_b = goes_back ? edge.from_from_to.inverse() : edge.from_from_to;
+    KeyframeId a = edge.from, b = edge.to;
+    RigidTransform a_from_b = edge.from_from_to;
+    if (std::pair(within_.component[a], a) > std::pair(within_.component[b], b)) {
+      std::swap(a, b);
+      a_from_b = a_from_b.inverse();
+    }
     return {index, a, b, pose(a) * a_from_b * pose(b).inverse()};
   }
 

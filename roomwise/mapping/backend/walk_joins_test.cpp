@@ -76,6 +76,26 @@ TEST_F(WalkJoins, ThreeThatAgreeAreBelieved) {
   EXPECT_EQ(joins_left(), 3U);
 }
 
+// The first walk and the third are one part of the map: of what joins it with the second, some
+// begins at the key-frame with the lower number and some at the other.
+TEST_F(WalkJoins, ThoseOfAWalkBetweenTwoOthersCountTogether) {
+  constexpr std::array<std::size_t, 2 * kOfWalk> kPartOf{0, 0, 0, 0, 0, 1, 1, 1, 1, 1,
+                                                         1, 1, 1, 1, 1, 0, 0, 0, 0, 0};
+  edges_.clear();
+  for (KeyframeId to = 1; to < 2 * kOfWalk; ++to) {
+    if (kPartOf[to - 1] == kPartOf[to]) add(to - 1, to, false);
+  }
+  add(4, 15, false);
+  const std::size_t within = edges_.size();
+  add(0, 5, true);
+  add(2, 7, true);
+  add(12, 16, true);
+  add(13, 18, true);
+  const auto kept = without_unsupported_joins(kPartOf, edges_);
+  ASSERT_OK(kept);
+  EXPECT_EQ(kept->size(), within + 4);
+}
+
 TEST_F(WalkJoins, OneThatContradictsTheOthersGoes) {
   for (const KeyframeId id : {0U, 3U, 6U}) add(id, kOfWalk + id, true);
   add(5, 15, true, wrong_place());

@@ -47,13 +47,6 @@ bool is_seen(const motion::MotionOutcome& outcome) {
 }
 
 // Whether enough of the picture has depth for later ones to be aligned with it.
-bool has_depth(const motion::RgbdPyramid& view, double min_share) {
-  if (view.empty()) return false;
-  const auto& pixels = view.levels.back().depth.pixels();
-  const auto measured = std::ranges::count_if(pixels, [](std::uint16_t mm) { return mm > 0; });
-  return static_cast<double>(measured) >= min_share * static_cast<double>(pixels.size());
-}
-
 }  // namespace
 
 bool Mapper::is_keyframe(const Frame& frame) const {
@@ -164,16 +157,18 @@ Expected<void> Mapper::place_by_dead_reckoning(const DeadReckonedPose& pose,
   frames_lost_ = 0;
   Frame& frame = frames_.back();
   frame.place = FramePlace{pose.keyframe, pose.in_keyframe.reference_from_current};
-  set_reference(pose.keyframe);
   // Across a jump the walk is a guess, whose covariance an edge is to hold.
   bool becomes_keyframe = frame.motion->use == MotionUse::kDropped;
   if (!becomes_keyframe) {
     frame.motion->use = MotionUse::kAlone;
     becomes_keyframe = needs_keyframe(frame.place->keyframe_from_camera) &&
-                       (has_depth(measurements.view(), options_.locator.views.min_overlap) ||
+                       (measurements.view().has_depth(options_.locator.views.min_overlap) ||
                         can_start_component(measurements));
   }
-  if (!becomes_keyframe) return {};
+  if (!becomes_keyframe) {
+    set_reference(pose.keyframe);
+    return {};
+  }
   return add_keyframe(frames_.size() - 1, std::move(measurements),
                       edge_from_device(pose.keyframe, keyframes_.size(), pose.in_keyframe), step);
 }

@@ -183,10 +183,15 @@ bool Localizer::is_contradicted(const motion::ViewAgreement& agreement) const {
           agreement.seen_through > options_.views.max_seen_through);
 }
 
+// So little depth that no comparison counts is as none.
+bool Localizer::shows_depth(const Query& query) const {
+  return query.measurements.view().has_depth(options_.views.min_overlap);
+}
+
 // Depth images are compared pixel by pixel, so they must be of cameras alike.
 bool Localizer::can_compare_shapes(const Query& query) const {
   const motion::RgbdPyramid& view = query.measurements.view();
-  if (view.empty() || query.lens || !index_.view_camera()) return false;
+  if (!shows_depth(query) || query.lens || !index_.view_camera()) return false;
   const geometry::PinholeCamera& a = view.levels.back().camera;
   const geometry::PinholeCamera& b = *index_.view_camera();
   constexpr double kAlike = 0.02;
@@ -287,7 +292,7 @@ Localization Localizer::locate_in(const Place& place, const Query& query) const 
                            options_.features.inlier_px);
   here.world_from_camera = first.world_from_keyframe * outcome.pose.reference_from_current;
   here.information = with_systematic_error(outcome.pose.information);
-  if (!query.measurements.view().empty()) refine(query, here);
+  if (shows_depth(query)) refine(query, here);
 
   const motion::ViewAgreement& agreement = here.agreement;
   if (is_weak_hypothesis(outcome, options_.features)) {
@@ -366,7 +371,7 @@ Localization Localizer::by_features(const Query& query) const {
     answers.push_back(locate_in(place, query));
   }
   if (answers.empty()) return {};
-  if (query.measurements.view().empty()) return likeliest(answers);
+  if (!shows_depth(query)) return likeliest(answers);
   std::ranges::stable_sort(answers, [](const Localization& a, const Localization& b) {
     return std::pair(a.status, a.inliers) > std::pair(b.status, b.inliers);
   });
@@ -504,7 +509,7 @@ Localization Localizer::propagate(const Localization& earlier, const motion::Ref
       motion::twist_information(with_systematic_error(motion.information)).inverse();
   carried.information =
       motion::edge_information((adjoint * first * adjoint.transpose() + between).inverse());
-  if (!second.measurements.view().empty()) {
+  if (shows_depth(second)) {
     carried.agreement = agreement_around(second, carried.world_from_camera);
   }
   if (is_contradicted(carried.agreement)) {

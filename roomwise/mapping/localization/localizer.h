@@ -109,6 +109,7 @@ class Localizer {
                                                   const geometry::RigidTransform& pose) const;
   [[nodiscard]] bool is_contradicted(const motion::ViewAgreement& agreement) const;
   [[nodiscard]] bool is_precise(const Localization& found) const;
+  [[nodiscard]] bool shows_depth(const Query& query) const;
   [[nodiscard]] bool can_compare_shapes(const Query& query) const;
 
   [[nodiscard]] std::vector<Place> similar_places(const Query& query) const;

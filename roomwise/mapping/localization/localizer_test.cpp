@@ -158,6 +158,20 @@ TEST_F(LocalizerTest, ADepthImageIsNotNeeded) {
                0.01);
 }
 
+TEST_F(LocalizerTest, ADepthImageInWhichNothingWasMeasuredIsAsNone) {
+  const Landmarks few(furnished_room(), 400, 1);
+  Localizer localizer({});
+  look_around(localizer, few, true);
+  const MeasuredFeatures seen = few.seen_from(pose_, 0.3, false);
+  RgbdPyramid blank = view_;
+  for (auto& level : blank.levels)
+    level.depth = image::DepthImage(level.depth.width(), level.depth.height());
+  const Localization without = localizer.locate({seen, kCamera});
+  ASSERT_TRUE(without.found());
+  ASSERT_LT(without.inliers, LocalizerOptions{}.sure_inliers);
+  expect_there(localizer.locate({{seen, blank}, kCamera}), pose_, 0.03, 0.02);
+}
+
 // Nor does the principal point lie in the middle here.
 TEST_F(LocalizerTest, ACalibrationIsNotNeeded) {
   Localizer localizer({});

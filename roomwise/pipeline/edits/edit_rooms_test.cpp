@@ -14,6 +14,7 @@
 #include "roomwise/pipeline/rooms/room_contents.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/stored_map.h"
+#include "roomwise/rooms/learning/room_learner.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -239,6 +240,30 @@ TEST_F(RoomEdits, AJoinedRoomIsTheOtherOneFromNowOn) {
   EXPECT_EQ(home_->room_ranges(1)->ranges().back().visit, 2);
 }
 
+TEST_F(RoomEdits, UndoingAJoinBringsBackWhatWasSaidOfBothRooms) {
+  const std::vector<rooms::ObjectClaim> said{{"pan", "bedroom", true}, {"pan", "kitchen", false}};
+  ASSERT_OK(store_object_claims(*home_, said));
+  ASSERT_OK(join_rooms(*home_, kAnna, "kitchen", "bedroom"));
+  undo();
+  EXPECT_THAT(object_claims(*home_).value(), ::testing::UnorderedElementsAreArray(said));
+}
+
+TEST_F(RoomEdits, WhatRoomsWereLearnedFromIsKnownByItsFrames) {
+  const auto tuesday = add_walk("tuesday");
+  ASSERT_OK(
+      home_->put_room_classifier({"net", "a", {}, R"({"frames": [[1, 3], [2, 5], [2, 99]]})"}));
+  EXPECT_THAT(learned_keyframes(*home_).value(), ElementsAre(3, 65));
+  ASSERT_OK(
+      home_->cull_keyframes({.culled = {10},
+                             .edges = {},
+                             .places = {{.recording = 1, .frame_index = 10, .place = {9, {}}}}}));
+  EXPECT_THAT(learned_keyframes(*home_).value(), ElementsAre(3, 64)) << "it has another number";
+  EXPECT_EQ(home_->keyframes()->at(64).recording, tuesday);
+  EXPECT_EQ(home_->keyframes()->at(64).frame_index, 5U);
+  ASSERT_OK(home_->put_room_classifier({"net", "a", {}, R"({"frames": [7]})"}));
+  EXPECT_ERROR(learned_keyframes(*home_), "a.home: is damaged");
+}
+
 TEST_F(RoomEdits, OfRoomsTheNewestChangeIsUndoneFirst) {
   ASSERT_OK(rename_room(*home_, kAnna, "kitchen", "galley"));
   ASSERT_OK(rename_room(*home_, {"Ben's phone", 1'753'000'009}, "bedroom", "den"));
@@ -299,6 +324,28 @@ TEST_F(RoomEdits, OfARemovedRoomNothingIsLeftOnceTheHomeIsClosed) {
   EXPECT_ERROR(undo_edit(*home_, left[0].id), "removed for good");
   EXPECT_OK(undo_edit(*home_, left[1].id)) << "it is younger than the removal";
   EXPECT_EQ(type_of("study"), "study");
+}
+
+TEST_F(RoomEdits, OfARemovedRoomNoEarlierClassifierIsLeft) {
+  const auto learn = [&](const std::string& network, const std::string& other) {
+    std::vector<rooms::RoomSample> samples;
+    for (std::uint64_t i = 0; i < 40; ++i) {
+      const float small = 0.1F * static_cast<float>(i % 5);
+      samples.push_back({{9, small, 1}, "kitchen", 1, i / 10});
+      samples.push_back({{small, 9, 1}, other, 1, i / 10});
+    }
+    const auto learned = rooms::learn_rooms(samples, {network, network});
+    ASSERT_OK(learned);
+    ASSERT_OK(home_->put_room_classifier({network, network, learned->classifier.to_bytes(), "{}"}));
+  };
+  ASSERT_OK(name_frames(*home_, kAnna, 1,
+                        labels({{0, 19, "kitchen"}, {20, 39, "bedroom"}, {40, 59, "hall"}})));
+  learn("first", "bedroom");
+  ASSERT_OK(remove_room(*home_, kAnna, "bedroom"));
+  learn("second", "hall");
+  ASSERT_THAT(home_->room_classifiers().value(), SizeIs(2));
+  ASSERT_OK(forget_removed_rooms(*home_));
+  EXPECT_THAT(home_->room_classifiers().value(), IsEmpty());
 }
 
 TEST_F(RoomEdits, OfARemovedRoomThingsTellNothingEither) {

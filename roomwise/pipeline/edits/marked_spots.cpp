@@ -138,7 +138,10 @@ Expected<void> rename_spot(home::Home& home, home::EditId id, const std::string&
 Expected<void> forget_spot(home::Home& home, home::EditId id) {
   ROOMWISE_TRY(const auto spots, marked_spots(home));
   ROOMWISE_CHECK_OK(find_spot(spots, id));
-  return home.remove_edit(id);
+  return home.atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(home.remove_edit(id));
+    return home.owe_erasing();
+  });
 }
 
 }  // namespace roomwise::pipeline

@@ -112,6 +112,7 @@ TEST_F(MarkedSpots, AreRenamedAndForgotten) {
   ASSERT_OK(rename_spot(*home_, *chair, "my seat"));
   EXPECT_THAT(names(), ElementsAre("my seat", "stairs"));
   ASSERT_OK(forget_spot(*home_, *chair));
+  EXPECT_TRUE(home_->owes_erasing().value()) << "until no byte of it is left";
   EXPECT_ERROR(forget_spot(*home_, *chair), "there is no spot");
   EXPECT_THAT(names(), ElementsAre("stairs"));
 }

@@ -97,7 +97,8 @@ Expected<void> restore_claims(home::Home& home, const Json& changed) {
   ROOMWISE_TRY(auto claims, object_claims(home));
   for (const Json& one : changed.at("added")) {
     std::erase_if(claims, [&](const rooms::ObjectClaim& claim) {
-      return claim.object == one.at("object") && claim.room == one.at("room");
+      return claim.object == one.at("object") && claim.room == one.at("room") &&
+             claim.represents == one.at("represents");
     });
   }
   for (const Json& one : changed.at("removed")) {

@@ -129,11 +129,13 @@ Expected<void> forget_removed_rooms(home::Home& home) {
     }
     ROOMWISE_CHECK_OK(forget_sightings(home, is_known));
     ROOMWISE_CHECK_OK(home.owe_erasing());
-    ROOMWISE_TRY(const auto record, home.room_classifier());
-    if (!record) return {};
-    const auto classifier = rooms::RoomClassifier::from_bytes(record->classifier);
-    const bool knows_only_rooms = classifier && std::ranges::all_of(classifier->rooms(), is_known);
-    return knows_only_rooms ? Expected<void>() : home.forget_learned_rooms();
+    ROOMWISE_TRY(const auto records, home.room_classifiers());  // one a network
+    for (const home::RoomClassifierRecord& record : records) {
+      const auto classifier = rooms::RoomClassifier::from_bytes(record.classifier);
+      if (!classifier || !std::ranges::all_of(classifier->rooms(), is_known))
+        return home.forget_learned_rooms();
+    }
+    return {};
   });
 }
 

@@ -783,6 +783,18 @@ TEST_F(MapFurtherWalks, StandWhereTheFirstIsTakenOut) {
   EXPECT_EQ(summary->components, 1U);
 }
 
+TEST_F(MapFurtherWalks, AreForgottenAlthoughAPictureOfAnotherIsDamaged) {
+  SyntheticWalk further = further_walk(kFrames);
+  ASSERT_OK(map(home_, further, 2));
+  home::Home home = *home::Home::open(home_);
+  ASSERT_OK(
+      home.database().run("UPDATE keyframe_images SET depth = x'00' WHERE keyframe_id = "
+                          "(SELECT max(keyframe_id) FROM keyframes)"));
+  ASSERT_OK(forget_walk(home, 1));
+  EXPECT_EQ(home.recordings()->size(), 1U);
+  EXPECT_FALSE(home.paper_objects()->empty()) << "by the other pictures";
+}
+
 TEST_F(MapRecording, RefusesToGoOnWithAnotherRecording) {
   SyntheticWalk walk(kFrames);
   InterruptAfter interrupt(20);

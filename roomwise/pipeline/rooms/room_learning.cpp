@@ -14,8 +14,9 @@ namespace roomwise::pipeline {
 namespace {
 
 // How the rooms were learned, for reports and for what compares with the same key-frames later.
+// Those are told by walk and frame: their numbers change when others are taken out.
 std::string to_json(const rooms::LearningReport& report,
-                    std::span<const home::KeyframeId> keyframes) {
+                    std::span<const home::Keyframe> keyframes) {
   nlohmann::ordered_json json;
   for (const auto& room : report.rooms) {
     json["rooms"].push_back({{"room", room.room},
@@ -29,7 +30,9 @@ std::string to_json(const rooms::LearningReport& report,
   json["weight_decay"] = report.weight_decay;
   json["sure_from"] = report.min_probability;
   json["warnings"] = report.warnings;
-  json["keyframes"] = keyframes;
+  json["frames"] = nlohmann::ordered_json::array();
+  for (const home::Keyframe& keyframe : keyframes)
+    json["frames"].push_back({keyframe.recording, keyframe.frame_index});
   return json.dump();
 }
 
@@ -72,9 +75,13 @@ Expected<void> store(home::Home& home, rooms::LearnedRooms& learned,
                     "bring the home up to date with those walks again",
                     forgotten));
   }
+  ROOMWISE_TRY(auto learned_from, home.keyframes());
+  std::erase_if(learned_from, [&](const home::Keyframe& keyframe) {
+    return std::ranges::find(keyframes, keyframe.id) == keyframes.end();
+  });
   ROOMWISE_CHECK_OK(
       home.put_room_classifier({classifier.network().name, classifier.network().fingerprint,
-                                classifier.to_bytes(), to_json(learned.report, keyframes)}));
+                                classifier.to_bytes(), to_json(learned.report, learned_from)}));
   std::map<home::KeyframeId, std::vector<rooms::RoomScore>> rooms_of;
   ROOMWISE_TRY(const auto networks, home.networks());
   for (const auto& [id, network] : networks) {
@@ -321,13 +328,18 @@ Expected<std::vector<home::KeyframeId>> learned_keyframes(const home::Home& home
   std::vector<home::KeyframeId> keyframes;
   if (!record) return keyframes;
   const auto json = nlohmann::json::parse(record->report_json, nullptr, false);
-  if (json.is_discarded() || !json.contains("keyframes")) return keyframes;
-  for (const auto& id : json.at("keyframes")) {
-    if (!id.is_number_unsigned()) {
-      return fail("{}: is damaged: what its rooms were learned from is no list of key-frames",
-                  home.file());
-    }
-    keyframes.push_back(id.get<home::KeyframeId>());
+  if (json.is_discarded() || !json.contains("frames")) return keyframes;
+  std::set<std::pair<home::RecordingId, std::uint64_t>> learned;
+  try {
+    json.at("frames").get_to(learned);
+  } catch (const nlohmann::json::exception&) {
+    return fail("{}: is damaged: what its rooms were learned from is no list of frames",
+                home.file());
+  }
+  ROOMWISE_TRY(const auto all, home.keyframes());
+  for (const home::Keyframe& keyframe : all) {
+    if (learned.contains({keyframe.recording, keyframe.frame_index}))
+      keyframes.push_back(keyframe.id);
   }
   return keyframes;
 }

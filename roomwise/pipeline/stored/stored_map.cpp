@@ -193,7 +193,9 @@ Expected<void> forget_walk(home::Home& home, home::RecordingId walk) {
                             component};
     }
     ROOMWISE_CHECK_OK(home.replace_poses(poses));
-    return update_objects(home, settings->objects).map([](const FoundObjects&) {});
+    // A picture of another walk that cannot be read must not keep this one from being forgotten.
+    return update_objects(home, settings->objects, std::make_shared<LostPictures>(true))
+        .map([](const FoundObjects&) {});
   });
 }
 
