@@ -1,5 +1,5 @@
-// What export writes for other programs, read by readers that know nothing of Roomwise: Python's
-// packages, and scripts written from the formats' own documentation (tests/readers/).
+// What export writes for other programs, read by readers that know nothing of Roomwise: packages of
+// Python and npm, and scripts written from the formats' own documentation (tests/readers/).
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "made_up_home.h"
 #include "roomwise/base/file.h"
@@ -57,6 +58,18 @@ class ExportFormatsTest : public ::testing::Test {
   static json read_json(const std::string& file) {
     return read_by("read_home_json.py",
                    {std::string(ROOMWISE_SOURCES) + "/docs/home.schema.json", path(file)});
+  }
+  // What packages of npm find in the file; nothing where they are not installed.
+  static std::optional<json> read_by_packages(const std::string& kind, const std::string& file) {
+    const std::string sources = ROOMWISE_SOURCES;
+    for (const char* package : {"@mcap/core", "@foxglove/schemas", "ajv", "gltf-validator"}) {
+      if (!std::filesystem::exists(sources + "/web/node_modules/" + package)) return std::nullopt;
+    }
+    const ProgramResult result = testing::run_program(
+        "/usr/bin/env",
+        {"node", sources + "/tests/readers/read_by_packages.mjs", kind, path(file)});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    return json::parse(result.output, nullptr, false);
   }
   static std::string error_of(const std::vector<std::string>& arguments) {
     const ProgramResult result = run_roomwise(arguments);
@@ -266,6 +279,31 @@ TEST_F(ExportFormatsTest, AWalkPlaysBackWithItsPicturesPosesAndThings) {
   ASSERT_THAT(log.at("things"), SizeIs(2));
   EXPECT_EQ(log.at("things")[0].at("name"), "canapé \"3\"");
   EXPECT_NEAR(log.at("things")[0].at("bottom_m").get<double>(), 0, 0.05);
+}
+
+TEST_F(ExportFormatsTest, PackagesThatOthersMadeFindNothingWrong) {
+  const json told = result_of({"export", "mcap", "--home", path("my.home"), "--walk", kMadeUpWalk,
+                               "-o", path("others.mcap")});
+  const auto walk = read_by_packages("mcap", "others.mcap");
+  if (!walk) GTEST_SKIP() << "web/node_modules has not all packages: 'npm ci' in web/ fetches them";
+  EXPECT_THAT(walk->at("violations"), IsEmpty()) << "of Foxglove's own schemas";
+  EXPECT_EQ(walk->at("topics").at("/tf"), told.at("poses"));
+  EXPECT_EQ(walk->at("topics").at("/prompts"), told.at("prompts"));
+  EXPECT_EQ(walk->at("topics").at("/things"), 1);
+  EXPECT_EQ(walk->at("topics").at("/rooms"), 1);
+  int messages = 0;
+  for (const json& count : walk->at("topics")) messages += count.get<int>();
+  EXPECT_EQ(walk->at("streamed"), messages);
+  EXPECT_EQ(walk->at("in_order"), true);
+  EXPECT_EQ(walk->at("ended"), true);
+
+  result_of({"export", "json", "--home", path("my.home"), "-o", path("others.json")});
+  EXPECT_THAT(read_by_packages("json", "others.json")->at("violations"), IsEmpty());
+
+  result_of({"export", "glb", "--home", path("my.home"), "-o", path("others.glb")});
+  const auto surface = read_by_packages("glb", "others.glb");
+  EXPECT_THAT(surface->at("violations"), IsEmpty());
+  EXPECT_GT(surface->at("triangles").get<int>(), 1000);
 }
 
 TEST_F(ExportFormatsTest, AWalkPlaysBackWithRoomsAndWhatIsSaidOnEnteringThem) {

@@ -1,5 +1,6 @@
 #include "roomwise/pipeline/exports/foxglove_json.h"
 
+#include <array>
 #include <cstring>
 
 #include "roomwise/base/encodings.h"
@@ -76,13 +77,19 @@ ordered_json empty_scene() {
   return {{"deletions", ordered_json::array()}, {"entities", ordered_json::array()}};
 }
 
-// Without what it shows.
+// What of an entity stays empty here; Foxglove's schema asks for it all the same.
+constexpr std::array kNotShown{"metadata", "arrows", "spheres", "cylinders", "triangles", "models"};
+
+// With none of what it shows.
 ordered_json entity_json(TimestampNs time_ns, const std::string& frame, const std::string& id) {
-  return {{"timestamp", time_json(time_ns)},
-          {"frame_id", frame},
-          {"id", id},
-          {"lifetime", time_json(0)},
-          {"frame_locked", true}};
+  ordered_json entity{{"timestamp", time_json(time_ns)},
+                      {"frame_id", frame},
+                      {"id", id},
+                      {"lifetime", time_json(0)},
+                      {"frame_locked", true}};
+  for (const char* const list : {"lines", "cubes", "texts"}) entity[list] = ordered_json::array();
+  for (const char* const list : kNotShown) entity[list] = ordered_json::array();
+  return entity;
 }
 
 ordered_json text_json(const std::string& text, const geometry::RigidTransform& place,
@@ -149,14 +156,12 @@ FoxgloveSchema foxglove_scene_schema() {
                                     {"color", color_schema()},
                                     {"colors", list_of(color_schema())},
                                     {"indices", list_of(kInteger)}});
-  const ordered_json entity = object({{"timestamp", time_schema()},
-                                      {"frame_id", kString},
-                                      {"id", kString},
-                                      {"lifetime", time_schema()},
-                                      {"frame_locked", kBoolean},
-                                      {"lines", list_of(line)},
-                                      {"cubes", list_of(cube)},
-                                      {"texts", list_of(text)}});
+  ordered_json members{
+      {"timestamp", time_schema()}, {"frame_id", kString},      {"id", kString},
+      {"lifetime", time_schema()},  {"frame_locked", kBoolean}, {"lines", list_of(line)},
+      {"cubes", list_of(cube)},     {"texts", list_of(text)}};
+  for (const char* const list : kNotShown) members[list] = list_of(object(ordered_json::object()));
+  const ordered_json entity = object(std::move(members));
   return schema("SceneUpdate", {{"deletions", list_of(object(ordered_json::object()))},
                                 {"entities", list_of(entity)}});
 }
@@ -251,7 +256,6 @@ ordered_json foxglove_outlines(TimestampNs time_ns, const std::string& frame,
   ordered_json scene = empty_scene();
   for (const NamedOutline& one : outlines) {
     ordered_json entity = entity_json(time_ns, frame, one.id);
-    entity["lines"] = ordered_json::array();
     for (const auto& ring : one.rings) {
       ordered_json points = ordered_json::array();
       for (const Eigen::Vector3d& corner : ring) points.push_back(xyz_json(corner));
