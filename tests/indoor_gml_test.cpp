@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -176,6 +177,31 @@ TEST_F(IndoorGmlTest, TwoRoomsOnTwoStoreysAreJoinedByStairs) {
                                       {"height_m", "2.50"},
                                       {"width_m", "0.90"},
                                       {"rails", "left right"}}));
+}
+
+TEST_F(IndoorGmlTest, ASceneGraphHasTheStairsBetweenTheirRooms) {
+  const json graph = json::parse(pipeline::scene_graph_json(two_storey_home()));
+  std::map<json, double> heights_m;
+  for (const json& node : graph.at("nodes")) {
+    heights_m[node.at("id")] = node.at("attributes").at("position")[2].get<double>();
+  }
+  std::size_t flights = 0;
+  for (const json& edge : graph.at("edges")) {
+    const json& facts = edge.at("info").at("metadata");
+    if (!facts.contains("stairs_m")) continue;
+    ++flights;
+    EXPECT_EQ(facts, (json{{"stairs_m", {5.5, 1}},
+                           {"top_m", {9.5, 1}},
+                           {"storeys", {0, 1}},
+                           {"height_m", 2.5},
+                           {"steps", 14},
+                           {"width_m", 0.9},
+                           {"walked", facts.at("walked")}}));
+    EXPECT_NEAR(std::abs(heights_m.at(edge.at("source")) - heights_m.at(edge.at("target"))), 2.5,
+                1e-9)
+        << "its rooms lie on two storeys";
+  }
+  EXPECT_EQ(flights, 1U);
 }
 
 TEST_F(IndoorGmlTest, ThingsArePointsInTheirRooms) {

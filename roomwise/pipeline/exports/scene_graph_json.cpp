@@ -204,17 +204,36 @@ class SceneGraphWriter {
     return door.is_door() ? "door_m" : "opening_m";  // where rooms are open to each other
   }
 
+  // What is known of a way between rooms, at its middle; of stairs, which the layout draws where
+  // they begin.
+  ordered_json way_json(const rooms::Doorway& door) const {
+    const Eigen::Vector3d middle = contents_.place_gravity(door.middle_gravity);
+    double width_m = door.width_m;
+    ordered_json way;
+    way[way_of(door)] = {middle.x(), middle.y()};
+    const auto& flights = contents_.storeys().stairs();
+    const auto flight = std::ranges::find_if(flights, [&](const fusion::Staircase& one) {
+      return door.is_stairs && one.below_plan == door.middle_gravity;
+    });
+    if (flight != flights.end()) {
+      width_m = flight->width_m;
+      way["top_m"] = {flight->top_gravity.x(), flight->top_gravity.y()};
+      way["storeys"] = {flight->lower, flight->lower + 1};
+      way["height_m"] = flight->height_m;
+      way["steps"] = flight->steps > 0 ? ordered_json(flight->steps) : ordered_json(nullptr);
+    }
+    way["width_m"] = width_m > 0 ? ordered_json(width_m) : ordered_json(nullptr);
+    way["walked"] = door.is_walked;
+    return way;
+  }
+
   // Two rooms are joined once, by their widest door.
   void add_doors() {
     std::set<std::array<std::string, 2>> joined;
     for (const rooms::Doorway& door : contents_.layout->doorways()) {
       const auto from = rooms_.find(door.rooms[0]), to = rooms_.find(door.rooms[1]);
       if (from == rooms_.end() || to == rooms_.end() || !joined.insert(door.rooms).second) continue;
-      const Eigen::Vector3d middle = contents_.place_gravity(door.middle_gravity);
-      add_edge(from->second, to->second,
-               {{way_of(door), {middle.x(), middle.y()}},
-                {"width_m", door.width_m > 0 ? ordered_json(door.width_m) : ordered_json(nullptr)},
-                {"walked", door.is_walked}});
+      add_edge(from->second, to->second, way_json(door));
     }
   }
 
