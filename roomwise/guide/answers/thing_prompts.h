@@ -38,4 +38,8 @@ namespace roomwise::guide {
     std::span<const rooms::Doorway> doorways, const objects::ObjectVocabulary& vocabulary,
     const Wording& wording, TimestampNs now_ns, const std::optional<CalendarTime>& today = {});
 
+// The answer to who asks for a door of a room, or between two, where the map has none.
+[[nodiscard]] Prompt no_door_prompt(const std::string& room, const std::string& other_room,
+                                    const Wording& wording, TimestampNs now_ns);
+
 }  // namespace roomwise::guide

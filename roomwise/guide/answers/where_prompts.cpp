@@ -215,4 +215,14 @@ std::vector<Prompt> where_prompts(const std::string& asked, const UserLocation& 
   return prompts;
 }
 
+Prompt no_door_prompt(const std::string& room, const std::string& other_room,
+                      const Wording& wording, TimestampNs now_ns) {
+  Values values{{"room", guide::room(room)}};
+  if (!other_room.empty()) values.emplace("other", guide::room(other_room));
+  return make_prompt(wording, key_of("door"),
+                     other_room.empty() ? "where.no_door" : "where.no_door_between", values,
+                     Confidence::kSure, after(now_ns, kHomeValid_s),
+                     "the map has no door there that a hand finds");
+}
+
 }  // namespace roomwise::guide

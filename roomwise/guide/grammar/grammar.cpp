@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <utility>
 
+#include "roomwise/base/in_context.h"
 #include "roomwise/guide/grammar/folded_words.h"
 
 namespace roomwise::guide {
@@ -93,6 +95,32 @@ Expected<QuestionPattern> pattern_of(QuestionType type, std::string_view text) {
   return pattern;
 }
 
+Expected<DoorPattern> door_pattern_of(std::string_view text) {
+  constexpr std::string_view kRoom = "{room}";
+  const auto take_until_room = [&] {
+    const std::size_t at = text.find(kRoom);
+    const std::string_view words = text.substr(0, at);
+    text.remove_prefix(at == std::string_view::npos ? text.size() : at + kRoom.size());
+    return std::pair(words, at != std::string_view::npos);
+  };
+  DoorPattern pattern;
+  const auto [before, has_one] = take_until_room();
+  if (!has_one) return fail("it names no room");
+  pattern.before = folded_words(before);
+  const bool is_joined = !text.empty() && text.front() != ' ' && text.front() != '\'';
+  const auto [next, has_two] = take_until_room();
+  pattern.has_two_rooms = has_two;
+  (has_two ? pattern.between : pattern.after) = folded_words(next);
+  if (has_two) pattern.after = folded_words(text);
+  if (is_joined && !has_two && pattern.after.size() == 1) {
+    pattern.joined = std::exchange(pattern.after, {}).front();
+  }
+  if (has_two ? pattern.between.empty() : before.empty() && next.empty()) {
+    return fail("nothing says that it is a door, or parts its rooms");
+  }
+  return pattern;
+}
+
 // "where is {place}" for words that mean the same by themselves.
 std::string text_of(const QuestionPattern& pattern) {
   std::string text;
@@ -128,6 +156,7 @@ std::set<std::string> word_set(const nlohmann::json& words) {
 Expected<Grammar> Grammar::parse(const nlohmann::json& questions) {
   Grammar grammar;
   std::map<std::string, std::vector<std::string>> patterns;
+  std::vector<std::string> doors;
   try {
     questions.at("patterns").get_to(patterns);
     grammar.determiners_ = word_set(questions.at("determiners"));
@@ -137,6 +166,7 @@ Expected<Grammar> Grammar::parse(const nlohmann::json& questions) {
       grammar.fillers_.push_back(folded_words(filler.get<std::string>()));
     }
     questions.at("endings").get_to(grammar.endings_);
+    questions.at("doors").get_to(doors);
   } catch (const nlohmann::json::exception& error) {
     return fail("questions: {}", error.what());
   }
@@ -146,6 +176,12 @@ Expected<Grammar> Grammar::parse(const nlohmann::json& questions) {
   std::erase_if(grammar.fillers_, [](const auto& words) { return words.empty(); });
   std::ranges::stable_sort(grammar.fillers_, std::ranges::greater{},
                            &std::vector<std::string>::size);
+  for (const std::string& text : doors) {
+    ROOMWISE_TRY(const std::vector<std::string> ways, in_context(text, PatternReader(text).read()));
+    for (const std::string& way : ways) {
+      ROOMWISE_TRY(grammar.doors_.emplace_back(), in_context(way, door_pattern_of(way)));
+    }
+  }
   std::map<std::string, QuestionType> types;
   for (const auto& [name, type] : kQuestionTypes) {
     const auto found = patterns.find(std::string(name));

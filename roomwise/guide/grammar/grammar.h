@@ -31,15 +31,24 @@ struct QuestionPattern {
   std::vector<std::string> after;
 };
 
+// One way to name a door by its rooms: "door between {room} and {room}". The words around the
+// rooms' names; `joined`: what the name ends with in one word ("Küchentür").
+struct DoorPattern {
+  std::vector<std::string> before, between, after;
+  std::string joined;
+  bool has_two_rooms = false;
+};
+
 // How one asks in a language: "questions" of its file.
 //
 //   patterns     type -> ways to ask. "where is {place}": words and a slot for a name. "(a|b)": one
 //                of them; "[a|b]": one of them or none; both may hold each other.
 //   determiners  what may stand before a name and says nothing: articles, "my", "nearest".
 //   possessives  of these, what says that it is one's own: "my".
-//   inside       what may stand between a thing's name and its room's: "the chair in the kitchen".
-//   fillers      what may stand anywhere and says nothing: "please".
-//   endings      what a name may end with besides: "s".
+//   doors        ways to name a door by its rooms: "{room} door", "{room}tür". The rest as
+//   patterns. inside       what may stand between a thing's name and its room's: "the chair in the
+//   kitchen". fillers      what may stand anywhere and says nothing: "please". endings      what a
+//   name may end with besides: "s".
 class Grammar {
  public:
   // Fails, naming the pattern, where one cannot be read, is two types' or has two slots, and where
@@ -47,6 +56,7 @@ class Grammar {
   [[nodiscard]] static Expected<Grammar> parse(const nlohmann::json& questions);
 
   [[nodiscard]] std::span<const QuestionPattern> patterns() const { return patterns_; }
+  [[nodiscard]] std::span<const DoorPattern> doors() const { return doors_; }
   [[nodiscard]] bool is_determiner(const std::string& word) const {
     return determiners_.contains(word);
   }
@@ -59,6 +69,7 @@ class Grammar {
 
  private:
   std::vector<QuestionPattern> patterns_;
+  std::vector<DoorPattern> doors_;
   std::set<std::string> determiners_, possessives_, inside_;
   std::vector<std::vector<std::string>> fillers_;  // the longest first
   std::vector<std::string> endings_;

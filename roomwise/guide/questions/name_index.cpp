@@ -238,6 +238,60 @@ FoundName NameIndex::find_in_room(std::span<const std::string> words) const {
   return {};
 }
 
+FoundName NameIndex::find_door(std::span<const std::string> words) const {
+  for (const DoorPattern& pattern : phrases_.grammar().doors()) {
+    FoundName found = find_door(pattern, without_determiners(words));
+    if (found.match != NameMatch::kUnknown) return found;
+  }
+  return {};
+}
+
+FoundName NameIndex::find_door(const DoorPattern& pattern,
+                               std::span<const std::string> words) const {
+  const std::size_t own = pattern.before.size() + pattern.after.size();
+  if (words.size() <= own ||
+      !std::ranges::equal(words.first(pattern.before.size()), pattern.before) ||
+      !std::ranges::equal(words.last(pattern.after.size()), pattern.after)) {
+    return {};
+  }
+  const auto inside = words.subspan(pattern.before.size(), words.size() - own);
+  std::vector<std::string> said(inside.begin(), inside.end());
+  if (!pattern.joined.empty()) {
+    if (!said.back().ends_with(pattern.joined) || said.back() == pattern.joined) return {};
+    said.back().resize(said.back().size() - pattern.joined.size());
+  }
+  const std::string door = "door";
+  const bool has_doors = std::ranges::any_of(
+      entries_, [&](const Entry& entry) { return entry.is_of_home && entry.noun.name == door; });
+  const auto door_of = [&](Nouns rooms, bool is_one_room) {
+    return FoundName{has_doors ? NameMatch::kKnown : NameMatch::kAbsent, thing(door),
+                     has_doors ? std::move(rooms) : Nouns{}, is_one_room};
+  };
+  if (!pattern.has_two_rooms) {
+    FoundName room = find(said, Slot::kRoom);
+    if (room.match == NameMatch::kAbsent) return room;
+    if (room.match != NameMatch::kKnown) return {};
+    const bool is_one_of_several = room.nouns.size() > 1;
+    return door_of(std::move(room.nouns), is_one_of_several);
+  }
+  const std::span<const std::string> both(said);
+  for (std::size_t at = 1; at + pattern.between.size() < both.size(); ++at) {
+    if (!std::ranges::equal(both.subspan(at, pattern.between.size()), pattern.between)) continue;
+    const FoundName one = find(both.first(at), Slot::kRoom);
+    const FoundName other = find(both.subspan(at + pattern.between.size()), Slot::kRoom);
+    for (const FoundName& room : {one, other}) {
+      if (room.match == NameMatch::kAbsent) return room;
+    }
+    const auto is_clear = [](const FoundName& room) {
+      return room.match == NameMatch::kKnown && room.nouns.size() == 1;
+    };
+    if (is_clear(one) && is_clear(other)) {
+      return door_of({one.nouns.front(), other.nouns.front()}, false);
+    }
+  }
+  return {};
+}
+
 bool NameIndex::has_name_inside(std::span<const std::string> words) const {
   const auto is_name = [&](std::span<const std::string> part) {
     const std::string key = joined({part.begin(), part.end()});

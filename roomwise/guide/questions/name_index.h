@@ -19,8 +19,9 @@ enum class NameMatch {
 
 struct FoundName {
   NameMatch match = NameMatch::kUnknown;
-  Nouns nouns;       // of kKnown and kNear those that it may mean, of kAbsent the first
-  Nouns rooms = {};  // the room that was named with it
+  Nouns nouns;               // of kKnown and kNear those that it may mean, of kAbsent the first
+  Nouns rooms = {};          // the room that was named with it, or both of a door
+  bool is_one_room = false;  // of `rooms` one is meant
 };
 
 // All that may be named in a question, for one home in one language.
@@ -33,6 +34,9 @@ class NameIndex {
   [[nodiscard]] FoundName find(std::span<const std::string> words, Slot slot) const;
   // A thing with its room: "chair in the kitchen"; kUnknown where it is none of the home's.
   [[nodiscard]] FoundName find_in_room(std::span<const std::string> words) const;
+  // A door by its rooms: "kitchen door"; kAbsent of a room that the home does not have, or of any
+  // door; kUnknown where the words are no such name.
+  [[nodiscard]] FoundName find_door(std::span<const std::string> words) const;
   // Whether a part of the words, not all of them, is a name of the home: "cup on the table".
   [[nodiscard]] bool has_name_inside(std::span<const std::string> words) const;
   // A name that is given now: without articles and what says nothing, but "my chair" keeps its
@@ -56,6 +60,8 @@ class NameIndex {
     bool is_spot = false;     // a goal that somebody marked
   };
 
+  [[nodiscard]] FoundName find_door(const DoorPattern& pattern,
+                                    std::span<const std::string> words) const;
   void add(const std::string& name, const Noun& noun, Way way, bool is_of_home, bool is_goal);
   void add_parts(const std::vector<std::string>& words, const Noun& noun, bool is_goal);
   void add_noun(const Noun& noun, bool is_of_home, bool is_goal);

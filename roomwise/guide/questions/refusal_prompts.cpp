@@ -59,6 +59,9 @@ std::vector<Prompt> refusal_prompts(const Understood& heard, const HomeNames& ho
     case Outcome::kWhichRoom:
       refusal.say("ask.which_room", {{"thing", heard.names}, {"rooms", heard.rooms}});
       return refusal.take();
+    case Outcome::kWhichDoor:
+      refusal.say("ask.which_door", {{"rooms", Nouns(heard.rooms.begin() + 1, heard.rooms.end())}});
+      return refusal.take();
     case Outcome::kDidYouMean:
       refusal.say("ask.did_you_mean", {{"name", heard.names}});
       return refusal.take();

@@ -81,6 +81,11 @@ std::optional<Reading> read_as(const QuestionPattern& pattern, std::span<const s
     FoundName in_room = names.find_in_room(*inside);
     if (in_room.match == NameMatch::kKnown) reading.name = std::move(in_room);
   }
+  const bool may_be_door = pattern.slot == Slot::kPlace || pattern.slot == Slot::kGoal;
+  if (reading.name.match != NameMatch::kKnown && may_be_door) {
+    FoundName door = names.find_door(*inside);
+    if (door.match != NameMatch::kUnknown) reading.name = std::move(door);
+  }
   const auto said = names.without_determiners(*inside);
   reading.said.assign(said.begin(), said.end());
   if (reading.name.match == NameMatch::kUnknown && !is_believed(pattern, said, names)) {
@@ -116,6 +121,10 @@ Understood meaning_of(Reading reading, const Spellings& spellings) {
   Understood meaning{.type = reading.pattern->type,
                      .names = std::move(reading.name.nouns),
                      .rooms = std::move(reading.name.rooms)};
+  if (reading.name.is_one_room) {
+    meaning.outcome = Outcome::kWhichRoom;
+    return meaning;
+  }
   if (reading.pattern->slot == Slot::kNew) {
     meaning.outcome = Outcome::kQuestion;
     meaning.names = {noun_said(reading.said, spellings)};
@@ -174,7 +183,39 @@ Understood which_room(Understood question, std::vector<std::string> rooms) {
   return question;
 }
 
+Understood which_door(Understood question, const std::vector<std::string>& rooms) {
+  question.outcome = Outcome::kWhichDoor;
+  std::ranges::move(room_list(rooms), std::back_inserter(question.rooms));
+  return question;
+}
+
+namespace {
+
+// "The hall", "the one to the hall", "to the hall", which asks to be led there else, or all of it.
+Understood door_chosen(const Understood& offer, Understood said) {
+  const bool names_door = said.type == QuestionType::kNamed ||
+                          said.type == QuestionType::kWhatIsIn ||
+                          said.type == QuestionType::kTakeMeTo;
+  if (!names_door) return said;
+  Nouns named = said.names;
+  named.insert(named.end(), said.rooms.begin(), said.rooms.end());
+  for (std::size_t i = 1; i < offer.rooms.size(); ++i) {
+    const bool is_meant = std::ranges::any_of(named, [&](const Noun& noun) {
+      return noun.kind == Noun::Kind::kRoom && noun.name == offer.rooms[i].name;
+    });
+    if (is_meant) {
+      return {Outcome::kQuestion, offer.type, offer.names, {offer.rooms.front(), offer.rooms[i]}};
+    }
+  }
+  return said;
+}
+
+}  // namespace
+
 Understood in_answer_to(const Understood& offer, Understood said) {
+  if (offer.outcome == Outcome::kWhichDoor && said.outcome == Outcome::kQuestion) {
+    return door_chosen(offer, std::move(said));
+  }
   if (offer.outcome == Outcome::kWhichRoom && said.outcome == Outcome::kQuestion) {
     // "The kitchen", "the one in the kitchen", or "in the kitchen", which asks what is in it else.
     const bool names_room =

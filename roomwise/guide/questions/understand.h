@@ -25,18 +25,20 @@ struct HomeNames {
 // What somebody meant by a text.
 struct Understood {
   enum class Outcome {
-    kQuestion,       // `names`: none, or what is asked for, as the home calls it
-    kWhichOne,       // several of the home are called so: `names`
-    kWhichRoom,      // several things of that name stand in `rooms`; by which_room() alone
-    kDidYouMean,     // the name is a slip away from the one of `names`
-    kUnknownName,    // the home has nothing that is called so: `names`, a thing, as it was said
-    kCannotTell,     // nothing that Roomwise knows can answer that
+    kQuestion,     // `names`: none, or what is asked for, as the home calls it
+    kWhichOne,     // several of the home are called so: `names`
+    kWhichRoom,    // several things of that name stand in `rooms`, or a door's room is one of them
+    kWhichDoor,    // doors of the first of `rooms` lead to the others; by which_door() alone
+    kDidYouMean,   // the name is a slip away from the one of `names`
+    kUnknownName,  // the home has nothing that is called so: `names`, a thing, as it was said
+    kCannotTell,   // nothing that Roomwise knows can answer that
     kNotUnderstood,  // it is no question that is known
   };
   Outcome outcome = Outcome::kNotUnderstood;
   QuestionType type = QuestionType::kWhatCanIAsk;  // of all but the last two
   Nouns names = {};
-  // The room that was named with a thing: "the chair in the kitchen"; of kWhichRoom all of them.
+  // The room that was named with a thing: "the chair in the kitchen", or both of a door; of
+  // kWhichRoom and kWhichDoor all of them.
   Nouns rooms = {};
 };
 
@@ -54,9 +56,10 @@ constexpr std::size_t kMaxQuestionBytes = 500;
 
 // The question which of a thing's rooms is meant, for a question about it.
 [[nodiscard]] Understood which_room(Understood question, std::vector<std::string> rooms);
+// The question to which of these rooms the door of the room leads that was named.
+[[nodiscard]] Understood which_door(Understood question, const std::vector<std::string>& rooms);
 // What is meant by "yes", or by a name alone, after an `offer` (kDidYouMean, kWhichOne; a room's
-// after kWhichRoom); else
-// `said` as it is.
+// after kWhichRoom and kWhichDoor); else `said` as it is.
 [[nodiscard]] Understood in_answer_to(const Understood& offer, Understood said);
 
 }  // namespace roomwise::guide

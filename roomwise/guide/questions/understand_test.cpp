@@ -54,6 +54,9 @@ std::string told(const Understood& heard) {
     case Outcome::kWhichRoom:
       text = "which room: ";
       break;
+    case Outcome::kWhichDoor:
+      text = "which door: ";
+      break;
     case Outcome::kDidYouMean:
       text = "did you mean: ";
       break;
@@ -314,6 +317,78 @@ TEST(UnderstandTest, OfThingsInSeveralRoomsARoomAnswersWhichOne) {
   const Understood frage = which_room(hear("zum Tisch", "de"), {"kitchen", "living room"});
   EXPECT_EQ(told(in_answer_to(frage, hear("der in der Küche", "de"))),
             "take_me_to table in kitchen");
+}
+
+TEST(UnderstandTest, ADoorIsNamedByItsRoomsInEveryLanguage) {
+  const std::map<std::string, std::vector<std::string>> asked{
+      {"take_me_to door in kitchen",
+       {"en:bring me to the kitchen door", "en:take me to the door of the kitchen",
+        "en:to the door to the kitchen", "en:go to the kitchen's door",
+        "de:bring mich zur Küchentür", "de:zur Küchentür", "de:führe mich zur Tür der Küche",
+        "de:zur Tür zur Küche", "es:llévame a la puerta de la cocina",
+        "es:a la puerta que da a la cocina", "fr:emmène-moi à la porte de la cuisine",
+        "fr:à la porte qui mène à la cuisine"}},
+      {"take_me_to door in living room",
+       {"en:take me to the living room door", "de:bring mich bitte zur Wohnzimmertür",
+        "de:zur Tür des Wohnzimmers", "es:llévame a la puerta del salón",
+        "fr:emmène-moi à la porte du salon"}},
+      {"take_me_to door in living room in kitchen",
+       {"en:take me to the door between the living room and the kitchen",
+        "en:to the door from the living room to the kitchen",
+        "de:bring mich zur Tür zwischen dem Wohnzimmer und der Küche",
+        "de:zur Tür vom Wohnzimmer zur Küche", "es:llévame a la puerta entre el salón y la cocina",
+        "es:a la puerta del salón a la cocina",
+        "fr:emmène-moi à la porte entre le salon et la cuisine",
+        "fr:à la porte du salon vers la cuisine"}},
+      {"where_is door in kitchen",
+       {"en:where is the kitchen door", "de:wo ist die Küchentür",
+        "es:dónde está la puerta de la cocina", "fr:où est la porte de la cuisine"}},
+      {"named door in kitchen",
+       {"en:the kitchen door", "de:die Küchentür", "es:la puerta de la cocina",
+        "fr:la porte de la cuisine"}},
+      {"unknown: take_me_to basement",
+       {"en:take me to the basement door", "de:bring mich zur Kellertür",
+        "es:llévame a la puerta del sótano", "fr:emmène-moi à la porte de la cave"}},
+      {"which room: take_me_to door in bedroom 1 in bedroom 2",
+       {"en:take me to the bedroom door", "de:zur Schlafzimmertür",
+        "es:llévame a la puerta del dormitorio", "fr:emmène-moi à la porte de la chambre"}},
+  };
+  for (const auto& [meaning, texts] : asked) {
+    for (const std::string& text : texts) {
+      EXPECT_EQ(told(hear(text.substr(3), text.substr(0, 2))), meaning) << text;
+    }
+  }
+  EXPECT_EQ(english("take me to the door of the moon"), "not understood");
+  HomeNames home = some_home();
+  home.goals.clear();
+  EXPECT_EQ(told(understand("take me to the kitchen door", catalogue().in("en"), home)),
+            "unknown: take_me_to door");
+}
+
+TEST(UnderstandTest, OfDoorsOfARoomTheOtherRoomAnswersWhichOne) {
+  const std::vector<std::string> behind{"living room", "toilet"};
+  const std::map<std::string, std::vector<std::string>> answers{
+      {"en", {"toilet", "the one to the toilet", "to the toilet", "the door to the toilet"}},
+      {"de", {"Toilette", "die zur Toilette", "zur Toilette", "die Toilettentür"}},
+      {"es", {"aseo", "la que da al aseo", "la del aseo", "al aseo"}},
+      {"fr", {"les toilettes", "celle vers les toilettes", "aux toilettes"}}};
+  const std::map<std::string, std::string> asked{{"en", "take me to the kitchen door"},
+                                                 {"de", "zur Küchentür"},
+                                                 {"es", "llévame a la puerta de la cocina"},
+                                                 {"fr", "emmène-moi à la porte de la cuisine"}};
+  for (const auto& [language, texts] : answers) {
+    const Understood offer = which_door(hear(asked.at(language), language), behind);
+    EXPECT_EQ(told(offer), "which door: take_me_to door in kitchen in living room in toilet");
+    for (const std::string& text : texts) {
+      EXPECT_EQ(told(in_answer_to(offer, hear(text, language))),
+                "take_me_to door in kitchen in toilet")
+          << text;
+    }
+    EXPECT_EQ(told(in_answer_to(offer, hear("roomwise", language))), "not understood");
+  }
+  const Understood offer = which_door(hear("take me to the kitchen door"), behind);
+  EXPECT_EQ(told(in_answer_to(offer, hear("to bedroom 1"))), "take_me_to bedroom 1")
+      << "was not offered";
 }
 
 TEST(UnderstandTest, TheWayBackIsAskedForInEveryLanguage) {

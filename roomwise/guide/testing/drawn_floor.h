@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "roomwise/fusion/floor_grid.h"
 #include "roomwise/rooms/layout/room_layout.h"
 
@@ -32,14 +35,24 @@ class Floor {
 inline Floor two_rooms() {
   return Floor(81, 40).fill({40, 1}, {41, 30}, fusion::FloorCell::kOccupied);
 }
-inline rooms::RoomLayout layout_of_two_rooms(const fusion::FloorGrid& grid) {
+// Of rooms side by side, each up to a wall at every fourth metre, by a walk through their doors.
+inline rooms::RoomLayout layout_along_x(const fusion::FloorGrid& grid,
+                                        const std::vector<std::string>& names) {
   rooms::WalkedPath walk;
-  for (int i = 0; i <= 28; ++i) {
-    const double x = 0.6 + 0.25 * i;
-    walk.push_back({{x, 3.45}, x < 4 ? "bedroom" : "kitchen"});
+  for (double x = 0.6; x < 4.0 * static_cast<double>(names.size()) - 0.3; x += 0.25) {
+    walk.push_back({{x, 3.45}, names.at(static_cast<std::size_t>(x / 4))});
   }
   const std::vector<rooms::WalkedPath> walks{walk};
   return rooms::RoomLayout::make(grid, walks).value();
+}
+inline rooms::RoomLayout layout_of_two_rooms(const fusion::FloorGrid& grid) {
+  return layout_along_x(grid, {"bedroom", "kitchen"});
+}
+// A third room beyond such a door in the wall at x = 8.
+inline Floor three_rooms() {
+  return Floor(121, 40)
+      .fill({40, 1}, {41, 30}, fusion::FloorCell::kOccupied)
+      .fill({80, 1}, {81, 30}, fusion::FloorCell::kOccupied);
 }
 
 }  // namespace roomwise::guide::testing

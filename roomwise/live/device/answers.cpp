@@ -28,6 +28,9 @@ std::string spoken_language(const std::string& tag) {
   return catalogue().speaks(language) ? language : "en";
 }
 
+// More are no choice to remember: then it is the nearest.
+constexpr std::size_t kMostChoices = 4;
+
 TimestampNs nanoseconds(double t_ms) {
   return std::llround(t_ms * 1e6);
 }
@@ -99,10 +102,19 @@ const guide::KnownThing* sure_thing_ahead(const Situation& situation) {
   return guide::sure_thing_of(*result.obstacle, result.place->on_floor(), map);
 }
 
+// That the home has no such door, where one is asked for by its rooms.
+std::optional<guide::Prompt> no_door(const service::Ask& ask, const HomeView& home,
+                                     const guide::Wording& wording, TimestampNs now_ns) {
+  const auto doors = doors_asked_for(ask, home, wording.phrases());
+  if (!doors || !doors->empty() || ask.in_room.empty()) return std::nullopt;
+  return guide::no_door_prompt(ask.in_room, ask.to_room, wording, now_ns);
+}
+
 // The way from where somebody stands to the nearest thing that they mean.
 std::vector<guide::Prompt> way_to(const service::Ask& ask, const Situation& situation,
                                   const guide::Wording& wording, TimestampNs now_ns) {
   const HomeView& home = situation.home;
+  if (auto none = no_door(ask, home, wording, now_ns)) return {*std::move(none)};
   const std::string asked = name_asked_for(ask);
   const auto things = things_asked_for(ask, home, wording.phrases());
   const guide::UserLocation location = standing_of(situation.result);
@@ -146,17 +158,12 @@ std::optional<std::string> room_meant(const std::string& asked, const HomeView& 
   return found == words.end() ? std::nullopt : std::optional(*found);
 }
 
-// The home's doors as things, where they are asked for and nobody named a thing so.
-std::vector<guide::KnownThing> doors_asked_for(const std::string& asked, const HomeView& home,
-                                               const guide::UserLocation& location,
-                                               const guide::Phrasebook& phrases) {
-  std::vector<guide::KnownThing> doors;
-  if (guide::thing_meant(asked, home.things, home.concepts.vocabulary, phrases)) return doors;
-  for (const rooms::Doorway& door : guide::doors_of(doorways_of(home))) {
+std::vector<guide::KnownThing> as_things(std::span<const rooms::Doorway> doors,
+                                         const guide::UserLocation& location) {
+  std::vector<guide::KnownThing> things;
+  for (const rooms::Doorway& door : doors) {
     const guide::Goal goal = guide::Goal::of(door);
-    const auto words = phrases.words_for(guide::Noun::Kind::kThing, asked);
-    if (std::ranges::count(words, goal.noun.name) == 0) return {};
-    guide::KnownThing& thing = doors.emplace_back();
+    guide::KnownThing& thing = things.emplace_back();
     thing.name = goal.noun.name;
     thing.probability = 1;
     thing.position_gravity =
@@ -164,7 +171,7 @@ std::vector<guide::KnownThing> doors_asked_for(const std::string& asked, const H
     const bool leads_here = location.room && door.joins(*location.room);
     thing.room = leads_here ? location.room : goal.room;
   }
-  return doors;
+  return things;
 }
 
 std::vector<guide::Prompt> where_is(const service::Ask& ask, const Situation& situation,
@@ -176,8 +183,10 @@ std::vector<guide::Prompt> where_is(const service::Ask& ask, const Situation& si
     return guide::where_prompts(spot->thing.name, location, {&spot->thing, 1}, doorways_of(home),
                                 home.concepts.vocabulary, wording, now_ns, situation.today);
   }
-  const auto doors = doors_asked_for(asked, home, location, wording.phrases());
-  const auto things = doors.empty() ? things_asked_for(ask, home, wording.phrases()) : doors;
+  if (auto none = no_door(ask, home, wording, now_ns)) return {*std::move(none)};
+  const auto doors = doors_asked_for(ask, home, wording.phrases());
+  const auto things = doors && !doors->empty() ? as_things(*doors, location)
+                                               : things_asked_for(ask, home, wording.phrases());
   return guide::where_prompts(asked, location, things, doorways_of(home), home.concepts.vocabulary,
                               wording, now_ns, situation.today);
 }
@@ -383,6 +392,7 @@ std::optional<service::Ask> ask_of(const guide::Understood& heard, const service
   ask.t_ms = in_words.t_ms;
   if (!heard.names.empty()) ask.subject = heard.names.front().name;
   if (!heard.rooms.empty()) ask.in_room = heard.rooms.front().name;
+  if (heard.rooms.size() > 1) ask.to_room = heard.rooms[1].name;
   if (const auto wish = wish_of(heard.type)) {
     ask.question = service::Question::kGuide;
     ask.wish = *wish;
@@ -448,10 +458,44 @@ std::vector<guide::KnownThing> things_asked_for(const service::Ask& ask, const H
   return things;
 }
 
+std::optional<std::vector<rooms::Doorway>> doors_asked_for(const service::Ask& ask,
+                                                           const HomeView& home,
+                                                           const guide::Phrasebook& phrases) {
+  const bool may_be_door = !ask.is_room && !ask.is_way_out;
+  const auto words = phrases.words_for(guide::Noun::Kind::kThing, ask.subject);
+  if (!may_be_door || std::ranges::count(words, "door") == 0) return std::nullopt;
+  const auto things = things_asked_for(ask, home, phrases);
+  const bool is_thing =
+      guide::thing_meant(ask.subject, things, home.concepts.vocabulary, phrases).has_value();
+  if (is_thing && ask.to_room.empty()) return std::nullopt;
+  std::vector<rooms::Doorway> doors = guide::doors_of(doorways_of(home));
+  std::erase_if(doors, [&](const rooms::Doorway& door) {
+    const auto leads_to = [&](const std::string& room) { return room.empty() || door.joins(room); };
+    return !leads_to(ask.in_room) || !leads_to(ask.to_room);
+  });
+  return doors;
+}
+
+std::vector<std::string> doors_to_choose(const service::Ask& ask, const HomeView& home,
+                                         const guide::UserLocation& location,
+                                         const guide::Wording& wording) {
+  const bool is_of_room =
+      ask.question == service::Question::kTakeMeTo && !ask.in_room.empty() && ask.to_room.empty();
+  if (!is_of_room) return {};
+  std::set<std::string> rooms;
+  for (const rooms::Doorway& door :
+       doors_asked_for(ask, home, wording.phrases()).value_or(std::vector<rooms::Doorway>())) {
+    const std::string& other = door.rooms[door.rooms[0] == ask.in_room ? 1 : 0];
+    if (other == location.room) return {};
+    rooms.insert(other);
+  }
+  if (rooms.size() < 2 || rooms.size() > kMostChoices) return {};
+  return {rooms.begin(), rooms.end()};
+}
+
 std::vector<std::string> rooms_to_choose(const service::Ask& ask, const HomeView& home,
                                          const guide::UserLocation& location,
                                          const guide::Wording& wording) {
-  constexpr std::size_t kMost = 4;  // more are no choice to remember: then it is the nearest
   const bool is_of_thing = ask.question == service::Question::kTakeMeTo && !ask.is_room &&
                            !ask.is_way_out && ask.in_room.empty() &&
                            spot_called(ask.subject, home) == nullptr;
@@ -464,7 +508,7 @@ std::vector<std::string> rooms_to_choose(const service::Ask& ask, const HomeView
     if (!thing.room || thing.room == location.room) return {};
     rooms.insert(*thing.room);
   }
-  if (rooms.size() < 2 || rooms.size() > kMost) return {};
+  if (rooms.size() < 2 || rooms.size() > kMostChoices) return {};
   return {rooms.begin(), rooms.end()};
 }
 

@@ -60,6 +60,16 @@ constexpr double kMaxSpotSigma_m = 0.3;
                                                        const HomeView& home,
                                                        const guide::UserLocation& location,
                                                        const guide::Wording& wording);
+// The doors that are asked for: of the rooms that were named with them. Nothing where no door is
+// asked for, or where the home has a thing that is called so.
+[[nodiscard]] std::optional<std::vector<rooms::Doorway>> doors_asked_for(
+    const service::Ask& ask, const HomeView& home, const guide::Phrasebook& phrases);
+// The rooms of which one must be chosen before somebody can be led to a door: doors of the room
+// that was named lead to several, and none to where they are. Empty: nothing to choose.
+[[nodiscard]] std::vector<std::string> doors_to_choose(const service::Ask& ask,
+                                                       const HomeView& home,
+                                                       const guide::UserLocation& location,
+                                                       const guide::Wording& wording);
 // Things of the home but those in other rooms than the one that was named. Where the way out is
 // asked for, those whose name means that ("front door"), by the name kNameOfWayOut.
 [[nodiscard]] std::vector<guide::KnownThing> things_asked_for(const service::Ask& ask,

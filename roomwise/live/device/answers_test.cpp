@@ -302,6 +302,30 @@ TEST(Answers, ADoorIsWhereRoomsMeet) {
   EXPECT_EQ(where(), "The door is at 3 o'clock, 2 metres.") << "one that was found counts";
 }
 
+TEST(Answers, ADoorOfARoomThatHasNoneIsSaidToBeUnknown) {
+  HomeView home;
+  const auto floor = guide::testing::two_rooms().grid();
+  home.layout = guide::testing::layout_of_two_rooms(floor);
+  service::SpeakingSettings settings;
+  service::Ask door{1, 0, service::Question::kTakeMeTo, "door"};
+  const auto told = [&] { return answer(door, {home, nullptr, settings, 0}).at(0).text; };
+  door.in_room = "hall";
+  EXPECT_EQ(told(), "I know no door of the hall.");
+  door.question = service::Question::kWhereIs;
+  EXPECT_EQ(told(), "I know no door of the hall.");
+  door.to_room = "kitchen";
+  EXPECT_EQ(told(), "I know no door between the hall and the kitchen.");
+  settings.language = "de";
+  EXPECT_EQ(told(), "Ich kenne keine Tür zwischen der Diele und der Küche.");
+  settings.language = "es";
+  EXPECT_EQ(told(), "No conozco ninguna puerta entre el vestíbulo y la cocina.");
+  settings.language = "fr";
+  EXPECT_EQ(told(), "Aucune porte connue entre le hall et la cuisine.");
+  door.in_room = "bedroom";
+  settings.language = "en";
+  EXPECT_EQ(told(), "The door is in the bedroom.");
+}
+
 TEST(Answers, WhoAsksForAWayOutThatNobodyAddedHearsWhoCanAddIt) {
   HomeView home;
   const service::SpeakingSettings settings;

@@ -307,9 +307,12 @@ void Device::understand(const Asked& asked) {
   guide::Understood heard =
       guide::in_answer_to(offered, guide::understand(in_words.subject, wording.phrases(), names));
   if (const auto ask = ask_of(heard, in_words)) {
-    auto rooms = rooms_to_choose(*ask, *view, location_now(in_words.t_ms), wording);
-    if (rooms.empty()) return hear({*ask, asked.came});
-    heard = guide::which_room(std::move(heard), std::move(rooms));
+    const guide::UserLocation location = location_now(in_words.t_ms);
+    auto rooms = rooms_to_choose(*ask, *view, location, wording);
+    const auto behind_doors = doors_to_choose(*ask, *view, location, wording);
+    if (rooms.empty() && behind_doors.empty()) return hear({*ask, asked.came});
+    heard = rooms.empty() ? guide::which_door(std::move(heard), behind_doors)
+                          : guide::which_room(std::move(heard), std::move(rooms));
   }
   const auto prompts =
       guide::refusal_prompts(heard, names, wording, std::llround(in_words.t_ms * 1e6));

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <functional>
 #include <future>
+#include <map>
 #include <mutex>
 #include <thread>
 
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/guide/testing/drawn_floor.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/live/device/frame_workers.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
@@ -369,6 +371,39 @@ TEST_F(DeviceTest, OfThingsInSeveralRoomsItAsksWhichOneIsMeant) {
   EXPECT_THAT(answer(3, "where is the chair in the hall").text, HasSubstr("in the hall"));
   host.home->things.back().room = "hall";
   EXPECT_NE(answer(4, "take me to the chair").message, "ask.which_room") << "they stand together";
+}
+
+TEST_F(DeviceTest, OfDoorsOfARoomItAsksWhichOneIsMeant) {
+  const auto floor = guide::testing::three_rooms().grid();
+  host.home->layout = guide::testing::layout_along_x(floor, {"hall", "kitchen", "balcony"});
+  for (const char* room : {"balcony", "hall", "kitchen"}) host.home->rooms.push_back({room, room});
+  const auto answer = [&](std::int64_t id, std::string words) {
+    ask(id, 1100, service::Question::kInWords, std::move(words));
+    return wire->take<service::PromptMessage>().front();
+  };
+  service::Hello greeting = hello();
+  greeting.settings.language = "en";
+  say(greeting);
+  wire->texts.clear();
+  EXPECT_EQ(answer(1, "bring me to the kitchen door").text,
+            "Doors lead to the balcony and the hall. Which one?");
+  EXPECT_EQ(answer(2, "the one to the hall").message, "route.no_place");
+  EXPECT_EQ(host.answers.back(), service::Question::kTakeMeTo);
+  EXPECT_NE(answer(3, "bring me to the hall door").message, "ask.which_door") << "it has one";
+  const std::map<std::string, std::pair<std::string, std::string>> asked{
+      {"de", {"zur Küchentür", "Türen führen zum Balkon und zur Diele. Welche?"}},
+      {"es",
+       {"llévame a la puerta de la cocina", "Hay puertas hacia el balcón y el vestíbulo. ¿Cuál?"}},
+      {"fr",
+       {"emmène-moi à la porte de la cuisine",
+        "Des portes mènent vers le balcon et le hall. Laquelle ?"}}};
+  for (const auto& [language, words] : asked) {
+    service::SettingsChange change;
+    change.language = language;
+    say(change);
+    wire->texts.clear();
+    EXPECT_EQ(answer(4, words.first).text, words.second);
+  }
 }
 
 TEST_F(DeviceTest, NothingIsMarkedWhereNobodyKnowsWhereOneStands) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "roomwise/guide/answers/thing_prompts.h"
@@ -29,11 +30,6 @@ std::optional<Goal> nearest(std::vector<Goal> goals, const guide::HomeMap& map,
     best = i;
   }
   return goals[best];
-}
-
-bool is_called(const std::string& asked, const std::string& word,
-               const guide::Phrasebook& phrases) {
-  return std::ranges::count(phrases.words_for(Noun::Kind::kThing, asked), word) > 0;
 }
 
 std::optional<Goal> room_called(const std::string& asked, const HomeView& home,
@@ -68,14 +64,32 @@ Goal goal_of(const ViewedSpot& spot) {
   return goal;
 }
 
-// A spot, the way out, a thing of the home, a room, or "door": the nearest one.
+// Of the doors of a room the one to where somebody is; else the nearest.
+std::optional<Goal> door_goal(const service::Ask& asked, std::vector<rooms::Doorway> doors,
+                              const guide::HomeMap& map, const guide::UserLocation& location) {
+  const auto leads_here = [&](const rooms::Doorway& door) {
+    return location.room && door.joins(*location.room);
+  };
+  if (!asked.in_room.empty() && std::ranges::any_of(doors, leads_here)) {
+    std::erase_if(doors, std::not_fn(leads_here));
+  }
+  std::vector<Goal> goals;
+  for (const rooms::Doorway& door : doors) {
+    goals.push_back(Goal::of(door));
+    if (leads_here(door)) goals.back().room = location.room;
+  }
+  return nearest(std::move(goals), map, location);
+}
+
+// A spot, the way out, a thing of the home, a room, or a door.
 std::optional<Goal> goal_of(const service::Ask& asked, const HomeView& home,
                             std::span<const rooms::Doorway> doorways, const Situation& situation) {
   const guide::UserLocation location = standing_of(situation.result);
   const guide::Wording wording = wording_of(situation.settings);
   const guide::HomeMap map = map_of(home, doorways);
   const guide::Phrasebook& phrases = wording.phrases();
-  if (!asked.is_room) {
+  const auto doors = doors_asked_for(asked, home, phrases);
+  if (!asked.is_room && (!doors || asked.to_room.empty())) {
     if (const ViewedSpot* const spot = spot_asked_for(asked, home, phrases)) return goal_of(*spot);
     const auto things = things_asked_for(asked, home, phrases);
     const auto meant =
@@ -89,11 +103,7 @@ std::optional<Goal> goal_of(const service::Ask& asked, const HomeView& home,
     if (auto goal = nearest(std::move(goals), map, location)) return goal;
   }
   if (auto room = room_called(asked.subject, home, phrases)) return room;
-  std::vector<Goal> doors;
-  if (is_called(asked.subject, "door", phrases)) {
-    for (const rooms::Doorway& door : guide::doors_of(doorways)) doors.push_back(Goal::of(door));
-  }
-  return nearest(std::move(doors), map, location);
+  return doors ? door_goal(asked, *doors, map, location) : std::nullopt;
 }
 
 }  // namespace

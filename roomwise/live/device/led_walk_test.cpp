@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "roomwise/guide/answers/spot_prompts.h"
+#include "roomwise/guide/testing/drawn_floor.h"
 
 namespace roomwise::live {
 namespace {
@@ -78,6 +79,33 @@ TEST_F(LedWalkTest, LeadsAlongWithThePicturesThatCome) {
   EXPECT_THAT(said, ::testing::Contains("You are there: the microwave ahead, in reach."));
   EXPECT_THAT(said, ::testing::Contains("At chest height."));
   EXPECT_TRUE(led->is_over());
+}
+
+// Hall, kitchen and balcony side by side, with doors at x = 4 and x = 8.
+TEST_F(LedWalkTest, LeadsToADoorByItsRooms) {
+  LiveMap map;
+  map.floor = guide::testing::three_rooms().grid();
+  home->map = std::make_shared<const LiveMap>(std::move(map));
+  home->layout = guide::testing::layout_along_x(*home->map->floor, {"hall", "kitchen", "balcony"});
+  FrameResult result = picture_at({11, 3.45}, t_ms);
+  const auto goal_x_m = [&](const std::string& in, const std::string& to, const std::string& here) {
+    service::Ask door = ask_for("door");
+    door.in_room = in;
+    door.to_room = to;
+    result.place->room = here;
+    const auto led = LedWalk::to(door, home, at(result));
+    if (!led) return 0.0;
+    const guide::Plan plan = led->plan_from(at(result));
+    EXPECT_EQ(plan.status, guide::PlanStatus::kComplete);
+    return plan.touch_gravity.x();
+  };
+  EXPECT_NEAR(goal_x_m("kitchen", "hall", "balcony"), 4.05, 0.15);
+  EXPECT_NEAR(goal_x_m("hall", "kitchen", "balcony"), 4.05, 0.15);
+  EXPECT_NEAR(goal_x_m("kitchen", "balcony", "balcony"), 8.05, 0.15);
+  EXPECT_NEAR(goal_x_m("kitchen", "", "balcony"), 8.05, 0.15);
+  EXPECT_EQ(goal_x_m("hall", "balcony", "balcony"), 0) << "there is none";
+  result = picture_at({5, 3.45}, t_ms);
+  EXPECT_NEAR(goal_x_m("kitchen", "", "kitchen"), 4.05, 0.15) << "the nearest";
 }
 
 TEST_F(LedWalkTest, TellsWhatTheGoalLiesOn) {

@@ -161,7 +161,10 @@ Expected<DeviceMessage> read_ask(const OrderedJson& json) {
   if (ask.question == Question::kGuide) ask.wish = members.one_of("wish", kWishes);
   if (asks_for_thing(ask)) ask.subject = members.text("thing");
   // Of a thing there may be several.
-  if (is_of_place && !ask.is_room && members.has("in")) ask.in_room = members.text("in");
+  if (is_of_place && !ask.is_room && members.has("in")) {
+    ask.in_room = members.text("in");
+    if (members.has("to")) ask.to_room = members.text("to");
+  }
   const bool may_name_room = ask.question == Question::kDescribeRoom && members.has("room");
   if (asks_for_room(ask) || may_name_room) ask.subject = members.text("room");
   if (ask.question == Question::kInWords) ask.subject = members.text("text", kMaxWordsBytes);
@@ -256,6 +259,7 @@ OrderedJson to_json(const Ask& ask) {
   if (asks_for_thing(ask)) json["thing"] = ask.subject;
   if (ask.is_way_out) json["goal"] = word_of(kGoals, Goal::kWayOut);
   if (asks_for_thing(ask) && !ask.in_room.empty()) json["in"] = ask.in_room;
+  if (json.contains("in") && !ask.to_room.empty()) json["to"] = ask.to_room;
   if (ask.is_private) json["private"] = true;
   if (ask.question == Question::kGuide) json["wish"] = word_of(kWishes, ask.wish);
   const bool may_name_room = ask.question == Question::kDescribeRoom && !ask.subject.empty();

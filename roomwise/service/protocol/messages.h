@@ -112,6 +112,7 @@ struct Ask {
   bool is_private = false;             // the thing of kNameThing: its owner's alone
   std::string name = {};               // of kRenameSpot: the new one
   std::string in_room = {};  // of kWhereIs, kWayTo and kTakeMeTo a thing: the one in this room
+  std::string to_room = {};  // of a door of that room: the one to this one
   bool is_way_out = false;   // of these: the way out is asked for, and no subject
 };
 

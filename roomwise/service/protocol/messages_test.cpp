@@ -95,6 +95,10 @@ TEST(Messages, QuestionsComeBackWithTheirSubject) {
   Ask chair{18, 0, Question::kTakeMeTo, "chair"};
   chair.in_room = "kitchen";
   EXPECT_EQ(read_back<Ask>(chair).in_room, "kitchen");
+  Ask door{18, 0, Question::kTakeMeTo, "door"};
+  door.in_room = "kitchen";
+  door.to_room = "hall";
+  EXPECT_EQ(read_back<Ask>(door).to_room, "hall");
   Ask named{15, 0, Question::kNameThing, "my blue mug"};
   EXPECT_FALSE(read_back<Ask>(named).is_private);
   named.is_private = true;

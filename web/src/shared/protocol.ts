@@ -196,7 +196,7 @@ export type Question =
   | { question: 'where_am_i' | 'around_me' | 'repeat' }
   | { question: 'in_words'; text: string }
   | { question: 'where_is'; thing: string; in?: string } // in that room
-  | { question: 'take_me_to'; thing: string; in?: string } // or what else the computer knows by that name
+  | { question: 'take_me_to'; thing: string; in?: string; to?: string } // or what else the computer knows by that name; a door to that room
   | { question: 'take_me_to'; room: string }
   | { question: 'take_me_to' | 'where_is'; goal: 'way_out' }
   | { question: 'guide'; wish: GuideWish }
