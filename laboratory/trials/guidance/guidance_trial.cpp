@@ -281,6 +281,10 @@ Expected<void> TrialOptions::validate() const {
   return {};
 }
 
+int GuidedWalk::turns() const {
+  return static_cast<int>(std::ranges::count_if(
+      heard, [](const HeardPrompt& prompt) { return prompt.message.starts_with("guide.turn_"); }));
+}
 int GuidedWalk::late() const {
   return static_cast<int>(std::ranges::count_if(heard, &HeardPrompt::is_late));
 }
@@ -333,6 +337,7 @@ TrialSummary summarise(std::span<const GuidedWalk> walks) {
     summary.contacts_by_prompt += static_cast<std::size_t>(walk.contacts_by_prompt());
     deviations += walk.deviations;
     lost += walk.lost;
+    summary.turns_per_walk += walk.turns();
     summary.broken_off += walk.broken_off ? 1 : 0;
     summary.pictures += walk.sightings.pictures;
     std::ranges::copy(walk.sightings.position_errors_m, std::back_inserter(position_errors_m));
@@ -357,6 +362,7 @@ TrialSummary summarise(std::span<const GuidedWalk> walks) {
   summary.contacts_per_walk = static_cast<double>(summary.contacts) / count;
   summary.deviations_per_walk = deviations / count;
   summary.lost_per_walk = lost / count;
+  summary.turns_per_walk /= count;
   if (summary.walked_m > 0) {
     summary.prompts_per_m = static_cast<double>(summary.prompts) / summary.walked_m;
   }

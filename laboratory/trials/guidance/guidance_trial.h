@@ -74,6 +74,7 @@ struct GuidedWalk {
   [[nodiscard]] bool is_told_not_reachable() const {
     return !goal.is_reachable && has_ended && !says_there;
   }
+  [[nodiscard]] int turns() const;  // that were asked for
   [[nodiscard]] int late() const;
   [[nodiscard]] int wrong() const;
   [[nodiscard]] int contacts_by_prompt() const;
@@ -104,7 +105,7 @@ struct TrialSummary {
   double path_ratio = 0, path_ratio_deviation = 0;
   double mean_s = 0;  // of those who arrived
   double walked_m = 0;
-  double contacts_per_walk = 0, prompts_per_m = 0;
+  double contacts_per_walk = 0, prompts_per_m = 0, turns_per_walk = 0;
   std::size_t contacts = 0, contacts_by_prompt = 0;
   std::size_t prompts = 0, late = 0, wrong = 0, expired = 0;
   double deviations_per_walk = 0, lost_per_walk = 0;
