@@ -2,41 +2,70 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <utility>
 #include <vector>
 
 #include "roomwise/guide/places/clearance.h"
 #include "roomwise/guide/places/obstacle.h"
 #include "roomwise/guide/way/legs.h"
+#include "roomwise/guide/words/wording.h"
 
 namespace roomwise::guide {
 
 using Eigen::Vector2d;
 
-void BarredFloor::bar_ahead(const Pose& pose, double radius_m) {
+BarredFloor::BarredFloor(const fusion::FloorGrid* map, std::vector<BarredPlace> known)
+    : map_(map), places_(map != nullptr ? std::move(known) : std::vector<BarredPlace>()) {
+  mark_places();
+}
+
+void BarredFloor::bar_ahead(const Pose& pose, double radius_m, TimestampNs now_ns) {
   constexpr double kTouched_m = 0.35;
-  const Vector2d middle = pose.place_of({kTouched_m + radius_m, 0});
-  mark_occupied({&middle, 1}, radius_m);
+  places_.push_back(
+      {pose.place_of({kTouched_m + radius_m, 0}), radius_m, after(now_ns, kBarred_s)});
+  mark_places();
 }
 
-void BarredFloor::bar_seen(std::span<const Vector2d> obstacles) {
+void BarredFloor::forget_old(TimestampNs now_ns) {
+  if (std::erase_if(places_, [&](const BarredPlace& one) { return one.until_ns <= now_ns; }) > 0) {
+    mark_places();
+  }
+}
+
+void BarredFloor::clear() {
+  places_.clear();
+  mark_places();
+}
+
+void BarredFloor::bar_seen(std::span<const Vector2d> obstacles, TimestampNs now_ns) {
   constexpr double kSquare_m = 0.1;  // that each of them stands for
-  std::vector<Vector2d> unknown;
-  std::ranges::copy_if(obstacles, std::back_inserter(unknown),
-                       [&](const Vector2d& obstacle) { return !is_on_map(obstacle, *grid()); });
-  mark_occupied(unknown, kSquare_m / 2 + map_->cell_m() / 2);
+  const TimestampNs until_ns = after(now_ns, kBarred_s);
+  std::vector<BarredPlace> unknown;
+  for (const Vector2d& obstacle : obstacles) {
+    for (BarredPlace& known : places_) {
+      if ((known.middle_gravity - obstacle).norm() < known.radius_m + kSquare_m) {
+        known.until_ns = until_ns;
+      }
+    }
+    if (is_on_map(obstacle, *grid())) continue;
+    unknown.push_back({obstacle, kSquare_m / 2 + map_->cell_m() / 2, until_ns});
+  }
+  places_.insert(places_.end(), unknown.begin(), unknown.end());
+  mark_places();
 }
 
-void BarredFloor::mark_occupied(std::span<const Vector2d> middles, double radius_m) {
-  const fusion::FloorGrid& floor = *grid();
+void BarredFloor::mark_places() {
+  barred_.reset();
+  if (places_.empty()) return;
+  const fusion::FloorGrid& floor = *map_;
   image::Image<fusion::FloorCell> cells(floor.columns(), floor.rows(), fusion::FloorCell::kUnknown);
   for (int row = 0; row < floor.rows(); ++row) {
     for (int column = 0; column < floor.columns(); ++column) {
       cells.at(column, row) = floor.at(column, row);
     }
   }
-  const auto reach = static_cast<int>(std::ceil(radius_m / floor.cell_m()));
-  for (const Vector2d& middle : middles) {
+  for (const auto& [middle, radius_m, until_ns] : places_) {
+    const auto reach = static_cast<int>(std::ceil(radius_m / floor.cell_m()));
     const Eigen::Array2i cell =
         ((middle - floor.origin_m()) / floor.cell_m()).array().floor().cast<int>();
     for (int row = std::max(0, cell.y() - reach);

@@ -2,25 +2,42 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "roomwise/fusion/floor_grid.h"
 #include "roomwise/guide/places/places.h"
 
 namespace roomwise::guide {
 
-// The map's floor as somebody found it who is led over it: what they came upon counts as occupied.
+// Where somebody came upon what the map does not know, m, and until when that counts.
+struct BarredPlace {
+  Eigen::Vector2d middle_gravity = Eigen::Vector2d::Zero();
+  double radius_m = 0;
+  TimestampNs until_ns = 0;
+};
+
+// What was come upon may stay, as a chair does, or go, as people do: so long it counts after it was
+// found last, s. Most walks through a home are over by then, and so is the way back.
+constexpr double kBarred_s = 300;
+
+// The map's floor as somebody found it who is led over it: what they came upon counts as occupied
+// for a while.
 class BarredFloor {
  public:
   // The map's, which must outlive it; null: none is known, and nothing may be barred on it.
-  explicit BarredFloor(const fusion::FloorGrid* map) : map_(map) {}
+  // `known`: what was found on it before.
+  explicit BarredFloor(const fusion::FloorGrid* map, std::vector<BarredPlace> known = {});
 
   [[nodiscard]] const fusion::FloorGrid* grid() const { return barred_ ? &*barred_ : map_; }
   // What a cane found and no camera sees: so broad across the way, from where it touched it.
-  void bar_ahead(const Pose& pose, double radius_m);
+  void bar_ahead(const Pose& pose, double radius_m, TimestampNs now_ns);
   // What depth shows and the map does not know: the middles of squares.
-  void bar_seen(std::span<const Eigen::Vector2d> obstacles);
+  void bar_seen(std::span<const Eigen::Vector2d> obstacles, TimestampNs now_ns);
+  // What was found too long ago counts no more.
+  void forget_old(TimestampNs now_ns);
   // What barred them may have gone.
-  void clear() { barred_.reset(); }
+  void clear();
+  [[nodiscard]] const std::vector<BarredPlace>& places() const { return places_; }
 
   // That they came no further, about where they stand now: the tries there.
   void count_try(const Pose& pose);
@@ -33,9 +50,10 @@ class BarredFloor {
   [[nodiscard]] double freer_side(const Pose& pose) const;
 
  private:
-  void mark_occupied(std::span<const Eigen::Vector2d> middles, double radius_m);
+  void mark_places();
 
   const fusion::FloorGrid* map_;
+  std::vector<BarredPlace> places_;
   std::optional<fusion::FloorGrid> barred_;
   std::optional<Eigen::Vector2d> tried_at_;
   int tries_ = 0;  // there

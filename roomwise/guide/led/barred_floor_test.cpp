@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "roomwise/guide/testing/drawn_floor.h"
+#include "roomwise/guide/testing/test_times.h"
 
 namespace roomwise::guide {
 namespace {
@@ -22,7 +23,7 @@ class BarredFloorTest : public ::testing::Test {
 };
 
 TEST_F(BarredFloorTest, WhatACaneFoundIsAsBroadAsToldFromWhereItTouchedIt) {
-  floor_.bar_ahead(pose_, 0.25);
+  floor_.bar_ahead(pose_, 0.25, kNow);
   EXPECT_EQ(floor_.grid()->at(Vector2d(1.45, 2)), FloorCell::kOccupied);
   EXPECT_EQ(floor_.grid()->at(Vector2d(1.75, 2)), FloorCell::kOccupied);
   EXPECT_EQ(floor_.grid()->at(Vector2d(1.2, 2)), FloorCell::kFree);
@@ -35,9 +36,38 @@ TEST_F(BarredFloorTest, WhatACaneFoundIsAsBroadAsToldFromWhereItTouchedIt) {
 TEST_F(BarredFloorTest, WhatTheMapKnowsIsNotBarredOnceMore) {
   const Vector2d known(2.95, 2), unknown(2, 2);
   const std::vector seen{known, unknown};
-  floor_.bar_seen(seen);
+  floor_.bar_seen(seen, kNow);
   EXPECT_EQ(floor_.grid()->at(unknown), FloorCell::kOccupied);
   EXPECT_EQ(floor_.grid()->at(known), FloorCell::kFree);
+}
+
+TEST_F(BarredFloorTest, WhatWasFoundIsForgottenAWhileAfterItWasSeenLast) {
+  const Vector2d first(1, 1), second(2, 2);
+  const auto is_barred = [&](const Vector2d& place) {
+    return floor_.grid()->at(place) == FloorCell::kOccupied;
+  };
+  floor_.bar_seen({&first, 1}, kNow);
+  floor_.bar_seen({&second, 1}, kNow);
+  floor_.forget_old(after(kNow, kBarred_s - 1));
+  EXPECT_TRUE(is_barred(first) && is_barred(second));
+  const std::size_t places = floor_.places().size();
+  floor_.bar_seen({&second, 1}, after(kNow, kBarred_s - 1));
+  EXPECT_EQ(floor_.places().size(), places) << "the same";
+  floor_.forget_old(after(kNow, kBarred_s));
+  EXPECT_FALSE(is_barred(first));
+  EXPECT_TRUE(is_barred(second));
+  floor_.forget_old(after(kNow, 2 * kBarred_s));
+  EXPECT_EQ(floor_.grid(), &grid_);
+}
+
+TEST_F(BarredFloorTest, WhatWasFoundBeforeBarsTheFloorOfWhoAsksNext) {
+  const Vector2d seen(2, 2);
+  floor_.bar_seen({&seen, 1}, kNow);
+  BarredFloor next(&grid_, floor_.places());
+  EXPECT_EQ(next.grid()->at(seen), FloorCell::kOccupied);
+  next.forget_old(after(kNow, kBarred_s));
+  EXPECT_EQ(next.grid(), &grid_);
+  EXPECT_EQ(BarredFloor(nullptr, floor_.places()).grid(), nullptr);
 }
 
 TEST_F(BarredFloorTest, TriesAreCountedAtOnePlace) {

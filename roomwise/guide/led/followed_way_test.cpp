@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "roomwise/guide/testing/drawn_floor.h"
+#include "roomwise/guide/testing/test_times.h"
 
 namespace roomwise::guide {
 namespace {
@@ -61,7 +62,7 @@ TEST_F(FollowedWayTest, ToTheLeftIsPositive) {
 TEST_F(FollowedWayTest, WhatWasFoundBarredIsGoneAround) {
   const FollowedWay straight = way_to(bed(), {1, 1.5});
   EXPECT_TRUE(straight.is_last_leg());
-  floor_.bar_ahead({{1.2, 1.5}, 0}, 0.25);
+  floor_.bar_ahead({{1.2, 1.5}, 0}, 0.25, kNow);
   const FollowedWay around = way_to(bed(), {1, 1.5});
   EXPECT_TRUE(around.leads_to_goal());
   EXPECT_GT(around.planned_m(), straight.planned_m() + 0.05);
@@ -92,7 +93,7 @@ TEST_F(FollowedWayTest, UnseenOneGoesTwoStepsAtMostWhereNothingIs) {
   EXPECT_NEAR(way.unseen_step_m(last, {}, floor_).value(), 1.05, 1e-9);
   EXPECT_TRUE(way.unseen_step_m(last, 1.5, floor_));
   EXPECT_FALSE(way.unseen_step_m(last, 1.2, floor_)) << "depth shows something";
-  floor_.bar_ahead(last, 0.2);
+  floor_.bar_ahead(last, 0.2, kNow);
   EXPECT_FALSE(way.unseen_step_m(last, {}, floor_)) << "somebody found something";
   EXPECT_FALSE(FollowedWay({&grid_}, kitchen(), {}).unseen_step_m(last, {}, floor_))
       << "nothing is planned";

@@ -129,6 +129,7 @@ void Guidance::see(const Walker& walker) {
     track_.add(*walker.pose, walker.pose_ns);
   }
   track_.keep_pace(walker.now_ns);
+  floor_.forget_old(walker.now_ns);
   walker_ = walker;
   // Where a place is not believed, nothing is that was seen from there.
   const bool is_believed = walker.pose && track_.age_s(walker.pose_ns) == 0;
@@ -395,7 +396,7 @@ std::optional<Prompt> Guidance::hazard(const Pose& pose) {
     if (!is_closed) barred_.side_to_try = floor_.freer_side(pose);
   } else if (!obstacle->is_on_map) {
     barred_.by_hazard = way_.leads_to_goal();
-    floor_.bar_seen(walker_.obstacles);
+    floor_.bar_seen(walker_.obstacles, now_ns());
   }
   return prompt;
 }
@@ -412,7 +413,7 @@ std::optional<Prompt> Guidance::stopped(const Pose& pose) {
   // Who comes no further after some tries is led another way, past what is seen there, or told what
   // is left; they are not sent again.
   if (floor_.was_barred_at(pose) && floor_.tries() > kMaxTries) {
-    floor_.bar_seen(walker_.obstacles);
+    floor_.bar_seen(walker_.obstacles, now_ns());
     Prompt other_way = act(pose);
     return way_.leads_to_goal() ? other_way : end_of_way();
   }
@@ -445,7 +446,7 @@ Prompt Guidance::blocked(const Pose& pose) {
   const BarredFloor known = floor_;
   for (const double radius_m : {way_.options().body_radius_m, kHandsBreadth_m}) {
     floor_ = known;
-    floor_.bar_ahead(pose, radius_m);
+    floor_.bar_ahead(pose, radius_m, now_ns());
     Prompt prompt = act(pose);
     if (way_.leads_to_goal()) return prompt;
   }

@@ -68,10 +68,12 @@ class Guidance {
     kEnded,    // by request, or since nothing is known
   };
 
-  // What map and wording point to must outlive it.
+  // What map and wording point to must outlive it. `barred`: what was found on the way before.
   Guidance(const HomeMap& map, Goal goal, const Wording& wording,
-           const GuidanceOptions& options = {})
-      : wording_(wording), floor_(map.floor), way_(map, std::move(goal), options) {}
+           const GuidanceOptions& options = {}, std::vector<BarredPlace> barred = {})
+      : wording_(wording),
+        floor_(map.floor, std::move(barred)),
+        way_(map, std::move(goal), options) {}
 
   // What to say now, if anything. While an earlier prompt of its own is still being spoken only
   // what warns of a hazard.
@@ -91,6 +93,8 @@ class Guidance {
   // paused, lost for long or without a place people walk as they like.
   [[nodiscard]] bool judges_obstacles(TimestampNs now_ns) const;
   [[nodiscard]] const Goal& goal() const { return way_.goal(); }
+  // The floor as it was found on the way.
+  [[nodiscard]] const BarredFloor& floor() const { return floor_; }
   // The way that is followed now.
   [[nodiscard]] const Plan& plan() const { return way_.plan(); }
   // Of a thing that is near and straight ahead or to be turned to, by the newest picture; absent

@@ -128,13 +128,14 @@ std::vector<guide::Prompt> way_to(const service::Ask& ask, const Situation& situ
     return {guide::no_route_prompt(false, "no place on the map", wording, now_ns)};
   const auto stairs =
       home.map ? std::span(home.map->frame.storeys.stairs()) : std::span<const fusion::Staircase>();
+  const fusion::FloorGrid* const found = situation.found_floor;
   std::optional<guide::Route> shortest;
   std::string why = "its place is not known";
   for (const guide::KnownThing& thing : things) {
     if (thing.name != *meant || !thing.position_gravity || !home.map || !home.map->floor) continue;
-    auto route = guide::find_route(*home.map->floor, pose->position_gravity,
-                                   thing.position_gravity->head<2>(), {},
-                                   home.layout ? &*home.layout : nullptr, thing.room, stairs);
+    const fusion::FloorGrid& floor = found != nullptr ? *found : *home.map->floor;
+    auto route = guide::find_route(floor, pose->position_gravity, thing.position_gravity->head<2>(),
+                                   {}, home.layout ? &*home.layout : nullptr, thing.room, stairs);
     if (!route) {
       why = route.error().message;
     } else if (!shortest || guide::length_m(*route, stairs) < guide::length_m(*shortest, stairs)) {

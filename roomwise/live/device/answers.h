@@ -22,6 +22,8 @@ struct Situation {
   const service::SpeakingSettings& settings;
   double now_t_ms;  // by the device's clock
   std::optional<CalendarTime> today = std::nullopt;
+  // As somebody found it who was led over it a while ago; null: as the map has it.
+  const fusion::FloorGrid* found_floor = nullptr;
 };
 
 // A glance that is older than this at the time of a question is not answered by, ms: a direction

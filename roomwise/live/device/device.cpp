@@ -549,8 +549,10 @@ void Device::hear_now(const Asked& asked) {
     const bool is_fresh = last_result_ && ask.t_ms - last_result_->t_ms <= kMaxFrameAge_ms;
     if (is_fresh) based_on_t_ms = last_result_->t_ms;
     const auto view = host_.view_for(who_);
-    const Situation now{*view, is_fresh ? &*last_result_ : nullptr, settings_, ask.t_ms,
-                        calendar_time(unix_now_ns())};
+    const bool asks_way = ask.question == service::Question::kWayTo && led_;
+    const Situation now{
+        *view,    is_fresh ? &*last_result_ : nullptr, settings_,
+        ask.t_ms, calendar_time(unix_now_ns()),        asks_way ? led_->floor_on(*view) : nullptr};
     prompts = answer_now(ask, view, now);
     announcer_.answered(now, prompts);
     if (led_ && settings_.may_watch) watch_.say(prompts, Clock::now());
@@ -563,7 +565,7 @@ void Device::hear_now(const Asked& asked) {
 std::vector<guide::Prompt> Device::lead_to(const service::Ask& goal,
                                            const std::shared_ptr<const HomeView>& home,
                                            const Situation& now, bool is_way_back) {
-  led_ = LedWalk::to(goal, home, now);
+  led_ = LedWalk::to(goal, home, now, led_.get());
   watch_ = {};
   if (!led_) return {};
   // Who is led back keeps where they set out: it is where they go.

@@ -109,22 +109,32 @@ std::optional<Goal> goal_of(const service::Ask& asked, const HomeView& home,
 }  // namespace
 
 LedWalk::LedWalk(service::Ask asked, std::shared_ptr<const HomeView> home, Goal goal,
-                 const Situation& situation)
+                 const Situation& situation, std::vector<guide::BarredPlace> barred)
     : asked_(std::move(asked)),
       settings_(situation.settings),
       today_(situation.today),
       home_(std::move(home)),
       doorways_(doorways_of(*home_)),
       guidance_(std::make_unique<guide::Guidance>(map_on(today_, *home_, doorways_),
-                                                  std::move(goal), wording_of(settings_))) {}
+                                                  std::move(goal), wording_of(settings_),
+                                                  guide::GuidanceOptions{}, std::move(barred))) {}
 
 std::unique_ptr<LedWalk> LedWalk::to(const service::Ask& goal,
                                      const std::shared_ptr<const HomeView>& home,
-                                     const Situation& situation) {
+                                     const Situation& situation, const LedWalk* before) {
   const std::vector<rooms::Doorway> doorways = doorways_of(*home);
   auto found = goal_of(goal, *home, doorways, situation);
   if (!found) return nullptr;
-  return std::unique_ptr<LedWalk>(new LedWalk(goal, home, *std::move(found), situation));
+  std::vector<guide::BarredPlace> barred;
+  if (before != nullptr && before->is_same_map(*home)) barred = before->guidance_->floor().places();
+  return std::unique_ptr<LedWalk>(
+      new LedWalk(goal, home, *std::move(found), situation, std::move(barred)));
+}
+
+// What helpers look at may be fused later: the floor and the places stay what they are.
+bool LedWalk::is_same_map(const HomeView& home) const {
+  return home.map == home_->map || (home.map && home_->map && home.map->localizer &&
+                                    home.map->localizer == home_->map->localizer);
 }
 
 TimestampNs LedWalk::at(double t_ms) {
@@ -146,11 +156,7 @@ guide::Prompt LedWalk::begin(const Situation& situation) {
 
 std::vector<guide::Prompt> LedWalk::after(const FrameResult& result,
                                           const std::shared_ptr<const HomeView>& home) {
-  // What helpers look at may be fused later: the floor and the places stay what they are.
-  const bool is_same_map =
-      home->map == home_->map || (home->map && home_->map && home->map->localizer &&
-                                  home->map->localizer == home_->map->localizer);
-  if (!is_same_map && !is_over()) {
+  if (!is_same_map(*home) && !is_over()) {
     const Situation now{*home, &result, settings_, result.t_ms, today_};
     if (auto anew = to(asked_, home, now)) {
       anew->now_ns_ = now_ns_;
@@ -212,8 +218,9 @@ guide::Prompt LedWalk::hear(service::GuideWish wish, double now_t_ms) {
 }
 
 guide::Plan LedWalk::plan_from(const Situation& situation) const {
-  return guide::plan_way(map_on(today_, *home_, doorways_), standing_of(situation.result),
-                         guidance_->goal());
+  guide::HomeMap map = map_on(today_, *home_, doorways_);
+  map.floor = guidance_->floor().grid();
+  return guide::plan_way(map, standing_of(situation.result), guidance_->goal());
 }
 
 guide::Prompt LedWalk::repeat(double now_t_ms) {

@@ -14,9 +14,12 @@ namespace roomwise::live {
 class LedWalk {
  public:
   // Nothing where the home has no such goal, or nobody knows where: answer() says so then.
+  // `before`: the walk on which somebody was led last, if they were; what they came upon then bars
+  // the way for a while.
   [[nodiscard]] static std::unique_ptr<LedWalk> to(const service::Ask& goal,
                                                    const std::shared_ptr<const HomeView>& home,
-                                                   const Situation& situation);
+                                                   const Situation& situation,
+                                                   const LedWalk* before = nullptr);
 
   // The answer to who asked to be led: never nothing.
   [[nodiscard]] guide::Prompt begin(const Situation& situation);
@@ -28,6 +31,10 @@ class LedWalk {
   // The way from where somebody stands then, whatever has been walked.
   [[nodiscard]] guide::Plan plan_from(const Situation& situation) const;
   [[nodiscard]] bool is_over() const { return guidance_->is_over(); }
+  // The floor as it was found on the way; null where the home's map is another, or has none.
+  [[nodiscard]] const fusion::FloorGrid* floor_on(const HomeView& home) const {
+    return is_same_map(home) ? guidance_->floor().grid() : nullptr;
+  }
   // By the picture that was looked at last, of that time (guide::Guidance).
   [[nodiscard]] std::optional<service::GoalBearing> goal_bearing(double taken_t_ms) const;
   // But for who is led and what was said.
@@ -37,7 +44,8 @@ class LedWalk {
 
  private:
   LedWalk(service::Ask asked, std::shared_ptr<const HomeView> home, guide::Goal goal,
-          const Situation& situation);
+          const Situation& situation, std::vector<guide::BarredPlace> barred);
+  [[nodiscard]] bool is_same_map(const HomeView& home) const;
   [[nodiscard]] TimestampNs at(double t_ms);
 
   service::Ask asked_;

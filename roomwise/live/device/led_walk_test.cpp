@@ -108,6 +108,42 @@ TEST_F(LedWalkTest, LeadsToADoorByItsRooms) {
   EXPECT_NEAR(goal_x_m("kitchen", "", "kitchen"), 4.05, 0.15) << "the nearest";
 }
 
+// A hall of 6 m by 4 m, with a passage on each side of what is met.
+TEST_F(LedWalkTest, WhatWasInTheWayBarsItForWhoAsksNextAndIsForgotten) {
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+  (void)led->begin(at(first));
+  (void)walk(*led, 6, 0);
+  const auto way_beside_m = [&](const LedWalk& one) {
+    double most_m = 0;
+    const FrameResult here = picture_at({0, 0}, t_ms);
+    for (const auto& place : one.plan_from(at(here)).route) {
+      most_m = std::max(most_m, std::abs(place.y()));
+    }
+    return most_m;
+  };
+  EXPECT_LT(way_beside_m(*led), 0.2);
+  t_ms += kTick_ms;
+  FrameResult barred = picture_at({0.3, 0}, t_ms);
+  for (double y = -0.2; y < 0.25; y += 0.1) barred.obstacles.emplace_back(1.2, y);
+  const auto said = led->after(barred, home);
+  ASSERT_FALSE(said.empty());
+  EXPECT_EQ(said.front().message, "guide.stop_obstacle_ahead");
+  EXPECT_GT(way_beside_m(*led), 0.3) << "around it";
+  const FrameResult back = picture_at({0, 0}, t_ms + 1000);
+  const auto next = LedWalk::to(ask_for("microwave"), home, at(back), led.get());
+  EXPECT_GT(way_beside_m(*next), 0.3);
+  ASSERT_NE(next->floor_on(*home), nullptr);
+  EXPECT_EQ(next->floor_on(*home)->at(Eigen::Vector2d(1.2, 0)), fusion::FloorCell::kOccupied);
+  t_ms += 1000 * guide::kBarred_s;
+  const FrameResult later = picture_at({0, 0}, t_ms);
+  (void)next->after(later, home);
+  EXPECT_LT(way_beside_m(*next), 0.2) << "it may have gone";
+  HomeView anew = *home;
+  anew.map = std::make_shared<const LiveMap>();
+  EXPECT_EQ(next->floor_on(anew), nullptr);
+}
+
 TEST_F(LedWalkTest, TellsWhatTheGoalLiesOn) {
   guide::KnownThing& shelf = home->things.emplace_back(home->things[0]);
   shelf.name = "shelf";
