@@ -377,9 +377,16 @@ Expected<Answer> find_word(const FindWordOptions& options, Context& context) {
   }
   ROOMWISE_TRY(const auto networks, load_open_vocabulary());
   ROOMWISE_TRY(const network::Embedding word, networks->embed(options.word));
-  ROOMWISE_TRY(home::Home home, open_home(options.home, context));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
-  ROOMWISE_TRY(const auto looked_at, pipeline::word_places(home, *networks, run));
+  // While another program writes the home nothing is kept, and is looked at again.
+  const auto keep = [&](const pipeline::WordPlaces& so_far) {
+    auto writer = open_home(options.home, context);
+    if (writer) static_cast<void>(pipeline::keep_word_places(*writer, *networks, so_far));
+  };
+  ROOMWISE_TRY(const auto looked_at,
+               pipeline::word_places(home, *networks, run,
+                                     home.is_protected() ? pipeline::KeepWordPlaces() : keep));
   const pipeline::FoundWord found = pipeline::find_word(looked_at, word);
   ROOMWISE_TRY(const Places places, Places::read(home));
   const home::Keyframe& keyframe = places.keyframes.at(found.place.keyframe);

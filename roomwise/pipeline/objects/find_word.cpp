@@ -91,9 +91,18 @@ std::optional<WordPlaces> from_bytes(const Bytes& bytes, std::span<const home::K
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;
   }
-  if (kept.embeddings.empty() || kept.absent.empty()) return std::nullopt;
+  if (kept.embeddings.size() != kept.places.size() || kept.absent.empty()) return std::nullopt;
   if (!are_finite(kept.embeddings) || !are_finite(kept.absent)) return std::nullopt;
   return kept;
+}
+
+// How many key-frames, from the first, were looked at; they come in order.
+std::size_t pictures_looked_at(const WordPlaces& places,
+                               std::span<const home::Keyframe> keyframes) {
+  if (places.places.empty()) return 0;
+  const auto last =
+      std::ranges::find(keyframes, places.places.back().keyframe, &home::Keyframe::id);
+  return static_cast<std::size_t>(last - keyframes.begin()) + 1;
 }
 
 // All of a picture, and nine windows of half its sides.
@@ -123,20 +132,28 @@ Expected<WordPlaces> embed_places(const home::Keyframe& keyframe, const image::C
   return made;
 }
 
-Expected<WordPlaces> embed_all(const home::Home& home, std::span<const home::Keyframe> keyframes,
-                               const network::OpenVocabulary& networks, RunContext& run) {
-  WordPlaces all;
-  const std::span<const std::string_view> absent = absent_things();
-  ROOMWISE_CHECK_OK(in_blocks(
-      absent.size(), "reading words of absent things", run,
-      [&](std::size_t i) -> Expected<std::string_view> { return absent[i]; },
-      [&](std::size_t, const std::string_view& thing) { return networks.embed(thing); },
-      [&](std::size_t, network::Embedding embedding) -> Expected<void> {
-        all.absent.push_back(std::move(embedding));
-        return {};
-      }));
-  ROOMWISE_CHECK_OK(for_each_keyframe(
-      home, keyframes, "looking at the pictures for words", run,
+// Goes on where `all` ends.
+Expected<void> embed_rest(const home::Home& home, std::span<const home::Keyframe> keyframes,
+                          const network::OpenVocabulary& networks, RunContext& run,
+                          const KeepWordPlaces& keep, WordPlaces& all) {
+  if (all.absent.empty()) {
+    const std::span<const std::string_view> absent = absent_things();
+    std::vector<network::Embedding> embeddings;
+    ROOMWISE_CHECK_OK(in_blocks(
+        absent.size(), "reading words of absent things", run,
+        [&](std::size_t i) -> Expected<std::string_view> { return absent[i]; },
+        [&](std::size_t, const std::string_view& thing) { return networks.embed(thing); },
+        [&](std::size_t, network::Embedding embedding) -> Expected<void> {
+          embeddings.push_back(std::move(embedding));
+          return {};
+        }));
+    all.absent = std::move(embeddings);
+  }
+  constexpr std::size_t kKeepAfter = 10;  // pictures: some half a minute of looking at them
+  std::size_t since_kept = 0;
+  return for_each_keyframe(
+      home, keyframes.subspan(pictures_looked_at(all, keyframes)),
+      "looking at the pictures for words", run,
       [&](const home::Keyframe& keyframe, const DecodedImages& images) {
         return embed_places(keyframe, images.color, networks);
       },
@@ -145,9 +162,9 @@ Expected<WordPlaces> embed_all(const home::Home& home, std::span<const home::Key
                      in_context(fmt::format("key-frame {}", keyframe.id), std::move(made)));
         std::ranges::copy(seen.places, std::back_inserter(all.places));
         std::ranges::copy(seen.embeddings, std::back_inserter(all.embeddings));
+        if (keep && ++since_kept % kKeepAfter == 0) keep(all);
         return {};
-      }));
-  return all;
+      });
 }
 
 // What all the words have in common.
@@ -176,21 +193,35 @@ std::pair<double, std::size_t> best_above_usual(network::Embedding word,
 
 }  // namespace
 
-Expected<WordPlaces> word_places(home::Home& home, const network::OpenVocabulary& networks,
-                                 RunContext& run) {
+Expected<WordPlaces> word_places(const home::Home& home, const network::OpenVocabulary& networks,
+                                 RunContext& run, const KeepWordPlaces& keep) {
   ROOMWISE_TRY(const auto all, home.keyframes());
   if (all.empty()) return fail("{}: has no pictures of a walk to look for words in", home.file());
-  const std::vector<home::Keyframe> keyframes = spread_evenly(all, kWordPictures);
   if (home.is_locked()) return Unexpected(home.locked_error());
-  if (home.is_protected()) return embed_all(home, keyframes, networks, run);
-  const std::string from = made_from(keyframes, networks);
+  const std::vector<home::Keyframe> keyframes = spread_evenly(all, kWordPictures);
+  WordPlaces places;
   ROOMWISE_TRY(const auto kept, home.derived_data(kWordPlacesData));
-  if (kept && kept->made_from == from) {
-    if (auto places = from_bytes(kept->data, keyframes, networks.size())) return *std::move(places);
+  if (kept && kept->made_from == made_from(keyframes, networks)) {
+    if (auto known = from_bytes(kept->data, keyframes, networks.size())) places = *std::move(known);
   }
-  ROOMWISE_TRY(WordPlaces places, embed_all(home, keyframes, networks, run));
-  ROOMWISE_CHECK_OK(home.put_derived_data({kWordPlacesData, from, to_bytes(places)}));
+  const std::size_t known = places.places.size();
+  const auto looked = embed_rest(home, keyframes, networks, run, keep, places);
+  const bool is_new = places.places.size() > known;
+  if (keep && is_new) keep(places);
+  if (!looked) return Unexpected(looked.error());
   return places;
+}
+
+Expected<void> keep_word_places(home::Home& home, const network::OpenVocabulary& networks,
+                                const WordPlaces& so_far) {
+  if (home.is_protected()) return {};
+  ROOMWISE_TRY(const auto all, home.keyframes());
+  const std::vector<home::Keyframe> keyframes = spread_evenly(all, kWordPictures);
+  const auto has = [&](const WordPlace& place) {
+    return std::ranges::count(keyframes, place.keyframe, &home::Keyframe::id) > 0;
+  };
+  if (!std::ranges::all_of(so_far.places, has)) return {};
+  return home.put_derived_data({kWordPlacesData, made_from(keyframes, networks), to_bytes(so_far)});
 }
 
 FoundWord find_word(const WordPlaces& places, const network::Embedding& asked) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -30,13 +31,20 @@ struct WordPlaces {
 // In how many key-frames words are looked for at most, evenly spread.
 constexpr std::size_t kWordPictures = 200;
 
-// Ten places of each picture: all of it, and nine windows of half its width and height. Kept in the
-// home as derived data, and made anew where key-frames or the networks are others; of a protected
-// home they are not kept, since words could be asked of them without its passphrase. Fails where
-// the home has no pictures or is locked.
-[[nodiscard]] Expected<WordPlaces> word_places(home::Home& home,
+// Takes what was seen so far, to be kept by keep_word_places(), or not.
+using KeepWordPlaces = std::function<void(const WordPlaces& so_far)>;
+// Ten places of each picture: all of it, and nine windows of half its width and height. By what is
+// kept in the home as derived data, as long as key-frames and networks are the same; the other
+// pictures are looked at, and `keep` is called now and then, at the end, and where it is
+// interrupted. Fails where the home has no pictures or is locked.
+[[nodiscard]] Expected<WordPlaces> word_places(const home::Home& home,
                                                const network::OpenVocabulary& networks,
-                                               RunContext& run);
+                                               RunContext& run, const KeepWordPlaces& keep = {});
+// For a moment the only one that writes. Nothing is kept of a protected home, since words could be
+// asked of it without its passphrase, nor of one whose key-frames are others by now.
+[[nodiscard]] Expected<void> keep_word_places(home::Home& home,
+                                              const network::OpenVocabulary& networks,
+                                              const WordPlaces& so_far);
 
 // Where a word is likeliest, and whether it is there.
 struct FoundWord {

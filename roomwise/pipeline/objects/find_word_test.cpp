@@ -42,7 +42,12 @@ class FindWord : public ::testing::Test {
     }
     ASSERT_OK(home_.commit(step));
   }
-  WordPlaces places() { return word_places(home_, *networks_, run_).value(); }
+  Expected<WordPlaces> look(RunContext& run) {
+    return word_places(home_, *networks_, run, [&](const WordPlaces& so_far) {
+      EXPECT_OK(keep_word_places(home_, *networks_, so_far));
+    });
+  }
+  WordPlaces places() { return look(run_).value(); }
   FoundWord find(std::string_view word) {
     return find_word(places(), networks_->embed(word).value());
   }
@@ -119,6 +124,55 @@ TEST_F(FindWord, WhatWasSeenIsKeptUntilTheNetworksAreOthers) {
   networks_ = network::OpenVocabulary::load(folder_ / "words.onnx").value();
   EXPECT_NE(places().absent, first.absent);
   EXPECT_NE(home_.derived_data("word_places").value()->made_from, kept->made_from);
+}
+
+// Counts the pictures that are looked at, and stops after so many.
+class CountPictures final : public Progress {
+ public:
+  explicit CountPictures(std::uint64_t most = 1000) : most_(most) {}
+  void begin(std::string_view work, std::optional<std::uint64_t>) override {
+    is_of_pictures_ = work == "looking at the pictures for words";
+    reads_words_ = reads_words_ || !is_of_pictures_;
+  }
+  void advance(std::uint64_t done, std::string_view) override {
+    if (is_of_pictures_) looked_at_ = done;
+  }
+  void end() override {}
+  [[nodiscard]] bool interrupted() const override { return looked_at_ >= most_; }
+  [[nodiscard]] std::uint64_t looked_at() const { return looked_at_; }
+  [[nodiscard]] bool reads_words() const { return reads_words_; }
+
+ private:
+  std::uint64_t most_, looked_at_ = 0;
+  bool is_of_pictures_ = false, reads_words_ = false;
+};
+
+TEST_F(FindWord, WhatWasSeenBeforeItWasInterruptedIsKept) {
+  CountPictures first(4);
+  OwnRunContext run(2, first);
+  EXPECT_ERROR(look(run), "interrupted");
+  ASSERT_EQ(first.looked_at(), 4U);
+  CountPictures second;
+  OwnRunContext rest(2, second);
+  const home::Home reader = home::Home::open_read_only(home_.file()).value();
+  const WordPlaces all = word_places(reader, *networks_, rest).value();
+  EXPECT_EQ(second.looked_at(), kPictures - 4);
+  EXPECT_FALSE(second.reads_words());
+  ASSERT_OK(home_.put_derived_data({"word_places", "other", {}}));
+  EXPECT_EQ(all.places, places().places);
+  EXPECT_EQ(all.embeddings, places().embeddings);
+}
+
+// Where two programs look at once, or the home changes meanwhile.
+TEST_F(FindWord, WhatIsOfOtherKeyframesIsNotKept) {
+  const WordPlaces seen = word_places(home_, *networks_, run_).value();
+  EXPECT_FALSE(home_.derived_data("word_places").value().has_value()) << "nobody asked for it";
+  home::KeyframeCulling culling;
+  culling.places.push_back({1, kRed, home::FramePlace{0, {}}});
+  culling.culled.push_back(kRed);
+  ASSERT_OK(home_.cull_keyframes(culling));
+  ASSERT_OK(keep_word_places(home_, *networks_, seen));
+  EXPECT_FALSE(home_.derived_data("word_places").value().has_value());
 }
 
 TEST_F(FindWord, OfKeyframesThatAreTakenOutNothingIsKept) {
