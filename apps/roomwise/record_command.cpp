@@ -5,12 +5,14 @@
 #include <memory>
 
 #include "camera_option.h"
+#include "command_run.h"
 #include "commands.h"
 #include "left_out.h"
 #include "live_camera.h"
 #include "roomwise/base/calendar_time.h"
 #include "roomwise/recording/damage_tolerant_source.h"
 #include "roomwise/recording/open_recording.h"
+#include "roomwise/recording/read_ahead_source.h"
 #include "roomwise/recording/room_labels.h"
 #include "roomwise/recording/tum_writer.h"
 #include "skip_damaged.h"
@@ -149,14 +151,21 @@ Expected<void> copy_frames(recording::FrameSource& source, recording::TumWriter&
   return {};
 }
 
-// A copy of a recording keeps its ground truth.
-Expected<void> copy_ground_truth(const RecordOptions& options) {
+// A copy of a recording keeps its ground truth, and poses that are no motion of the device's: these
+// are the truth of its kind.
+Expected<void> copy_ground_truth(const recording::FrameSource& source,
+                                 const RecordOptions& options) {
+  if (is_live_camera(options.source)) return {};
   const fs::path truth = fs::path(options.source) / "groundtruth.txt";
-  if (is_live_camera(options.source) || !fs::exists(truth)) return {};
-  std::error_code error;
-  fs::copy_file(truth, options.output / "groundtruth.txt", error);
-  if (error) return fail("{}: cannot be copied: {}", truth.string(), error.message());
-  return {};
+  if (fs::exists(truth)) {
+    std::error_code error;
+    fs::copy_file(truth, options.output / "groundtruth.txt", error);
+    if (error) return fail("{}: cannot be copied: {}", truth.string(), error.message());
+    return {};
+  }
+  const auto& copied = dynamic_cast<const recording::Recording&>(source);
+  if (copied.has_device_motion() || copied.device_poses().empty()) return {};
+  return recording::write_trajectory(options.output / "groundtruth.txt", copied.device_poses());
 }
 
 Expected<Answer> run(const RecordOptions& options, Context& context) {
@@ -167,7 +176,13 @@ Expected<Answer> run(const RecordOptions& options, Context& context) {
   context.progress.begin("recording", expected_frames(options, source->info().frames_remaining));
   // What was recorded until an error is kept: the writer is closed in any case.
   const bool is_live = is_live_camera(options.source);
-  recording::DamageTolerantSource frames(*source, options.skip_damaged && !is_live);
+  CommandRun threads(context);
+  std::optional<recording::ReadAheadSource> ahead;
+  if (auto* const copied = dynamic_cast<recording::Recording*>(source.get())) {
+    ahead.emplace(*copied, threads.pool, &recording::encode_images);
+  }
+  recording::FrameSource& read = ahead ? *ahead : *source;
+  recording::DamageTolerantSource frames(read, options.skip_damaged && !is_live);
   Expected<void> copied = copy_frames(frames, *writer, options, context.progress);
   if (!copied && frames.is_stopped() && !is_live) {
     copied.error().message += kNamingSkipDamaged;
@@ -175,7 +190,7 @@ Expected<Answer> run(const RecordOptions& options, Context& context) {
   context.progress.end();
   ROOMWISE_CHECK_OK(writer->close());
   ROOMWISE_CHECK_OK(copied);
-  ROOMWISE_CHECK_OK(copy_ground_truth(options));
+  ROOMWISE_CHECK_OK(copy_ground_truth(*source, options));
 
   const std::uint64_t lost = source->info().lost_frames;
   const image::PersonalFacts& left_out = source->info().left_out;

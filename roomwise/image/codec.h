@@ -48,6 +48,8 @@ struct Photo {
 [[nodiscard]] Bytes encode_jpeg(const ColorImage& image, int quality);
 [[nodiscard]] Bytes encode_png(const ColorImage& image);
 [[nodiscard]] Bytes encode_png(const DepthImage& image);
+// The same of depth that was interpolated and runs on from row to row: half as large, and sooner.
+[[nodiscard]] Bytes encode_smooth_png(const DepthImage& image);
 
 // The images of a frame as files: as its source gave them, without what they say besides the
 // picture (metadata.h), else encoded without loss.

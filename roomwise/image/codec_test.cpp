@@ -143,6 +143,17 @@ TEST(Codec, KeepsEveryPixelInPng) {
   const DepthImage depth = random_depth(37, 23);
   EXPECT_EQ(decode_color(encode_png(color)).value(), color);
   EXPECT_EQ(decode_depth(encode_png(depth)).value(), depth);
+  EXPECT_EQ(decode_depth(encode_smooth_png(depth)).value(), depth);
+}
+
+TEST(Codec, DepthThatRunsOnFromRowToRowIsPackedSmaller) {
+  DepthImage slope(160, 120);
+  for (int y = 0; y < slope.height(); ++y) {
+    for (int x = 0; x < slope.width(); ++x) {
+      slope.at(x, y) = static_cast<std::uint16_t>(1000 + 7 * y + (x * x) % 311);
+    }
+  }
+  EXPECT_LT(2 * encode_smooth_png(slope).size(), encode_png(slope).size());
 }
 
 // Both ways through PNG would hide bytes that are swapped twice; the other side here is libpng

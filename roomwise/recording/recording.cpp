@@ -46,11 +46,17 @@ const RecordedPicture* Recording::find(std::uint64_t index) const {
 }
 
 Expected<std::optional<image::RgbdFrame>> Recording::next() {
+  ROOMWISE_TRY(const std::optional<std::uint64_t> index, next_index());
+  if (!index) return std::optional<image::RgbdFrame>();
+  return frame(*index);
+}
+
+Expected<std::optional<std::uint64_t>> Recording::next_index() {
   if (damage_told_ < damaged().size()) return fail("{}", damaged()[damage_told_++].why);
-  if (position_ == frames_.size()) return std::optional<image::RgbdFrame>();
+  if (position_ == frames_.size()) return std::optional<std::uint64_t>();
   const std::uint64_t index = frames_[position_++];
   count_what_is_left();
-  return frame(index);
+  return std::optional(index);
 }
 
 void Recording::skip_before(std::uint64_t index) {

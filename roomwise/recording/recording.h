@@ -51,6 +51,8 @@ struct RecordingContents {
   // For people: what was chosen among several, what was found wrong and passed over, what an end
   // that was cut off lacks.
   std::vector<std::string> notes;
+  // Whether a frame is read much quicker right after the one before it: of a video.
+  bool reads_in_order = false;
 };
 
 // A recording that is complete on the disk, of any kind: its frames in the order of time, and each
@@ -74,8 +76,12 @@ class Recording : public FrameSource {
   // Null where there is no such colour image.
   [[nodiscard]] const RecordedPicture* find(std::uint64_t index) const;
 
+  [[nodiscard]] bool reads_in_order() const { return contents_.reads_in_order; }
+
   // First fails for each of damaged(), so that nobody works for long before it is known.
   [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() final;
+  // The same without reading the frame: its index.
+  [[nodiscard]] Expected<std::optional<std::uint64_t>> next_index();
   void skip_before(std::uint64_t index) final;
   // The frame of a colour image, whatever next() has given; nothing where there is none. Fails as
   // next() does. Thread-safe.

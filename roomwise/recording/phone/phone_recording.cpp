@@ -133,6 +133,7 @@ Expected<std::unique_ptr<Recording>> PhoneRecording::open(PhoneListing listing,
   note_depth(contents);
   contents.poses_are_motion = listing.poses_are_motion;
   contents.device_up = listing.device_up;
+  contents.reads_in_order = listing.read_color != nullptr;
   return std::unique_ptr<Recording>(
       new PhoneRecording(std::move(contents), std::move(listing), common, turns));
 }
@@ -189,7 +190,7 @@ Expected<image::RgbdFrame> PhoneRecording::read_frame(const RecordedPicture& pic
   // As a resumed run will find it.
   ROOMWISE_TRY(frame.color, image::decode_color(frame.encoded_color));
   ROOMWISE_TRY(frame.depth, read_depth(original(picture)));
-  frame.encoded_depth = image::encode_png(frame.depth);
+  frame.encoded_depth = image::encode_smooth_png(frame.depth);
   return frame;
 }
 
