@@ -80,9 +80,9 @@ Expected<void> LiveHome::start_preparing() {
 }
 
 bool LiveHome::stop_preparing() {
-  if (!jobs_->stop("prepare")) return false;
-  jobs_->wait();
-  return true;
+  const bool was_preparing = jobs_->stop("prepare");
+  if (was_preparing || jobs_->stop("look")) jobs_->wait();
+  return was_preparing;
 }
 
 Expected<void> LiveHome::go_on_preparing() {
