@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 
+#include "made_up_detector.h"
 #include "made_up_recording.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/random.h"
@@ -27,28 +28,6 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::ProgramResult;
 using testing::ScratchFolder;
-
-// A NanoDet-Plus of two labels that gives the same whatever it is shown: the second label, in a box
-// of half the picture's width and height about its middle.
-std::string detector_of_the_middle() {
-  constexpr std::size_t kLabels = 2, kBins = 8, kRow = kLabels + 4 * kBins;
-  constexpr std::size_t kAnchors = 64 + 16 + 4 + 1;  // of 64 x 64 pixels
-  std::vector<float> rows(kAnchors * kRow, -20.F);
-  float* const middle = rows.data() + (4 * 8 + 4) * kRow;  // stride 8: at (32, 32)
-  middle[1] = 3;
-  for (std::size_t side = 0; side < 4; ++side) middle[kLabels + side * kBins + 2] = 20;
-  testing::TinyGraph graph;
-  graph.nodes = {testing::node("GlobalAveragePool", "picture", "pooled"),
-                 testing::node("Flatten", "pooled", "means"),
-                 testing::layer("Gemm", {"means", "weights", "rows"}, {"found"})};
-  const auto size = static_cast<std::int64_t>(rows.size());
-  graph.constants = {
-      testing::tensor("weights", {3, size}, std::vector<float>(3 * rows.size(), 0.F)),
-      testing::tensor("rows", {size}, rows)};
-  graph.input = {1, 3, 64, 64};
-  graph.outputs = {{"found", {1, rows.size()}}};
-  return testing::onnx(graph);
-}
 
 // A classifier of two labels that says the first of every place of every picture.
 std::string classifier_of_the_first(float logit) {
@@ -77,12 +56,7 @@ class ThingsCommandsTest : public ::testing::Test {
     EXPECT_OK(testing::write_made_up_recording(path("visit"), kFrames));
     EXPECT_OK(write_noise(path("elsewhere")));
     const std::string networks = path("data/roomwise/networks/");
-    std::filesystem::create_directories(networks);
-    EXPECT_OK(write_file(networks + "middle.onnx", detector_of_the_middle()));
-    EXPECT_OK(write_file(
-        networks + "middle.card.json",
-        R"({"task": "nanodet-plus", "input": {"width": 64, "height": 64}, "labels": "kinds.txt"})"));
-    EXPECT_OK(write_file(networks + "kinds.txt", std::string("bed\ntoilet\n")));
+    EXPECT_OK(testing::write_detector_of_the_middle(networks));
     EXPECT_OK(write_file(path("colors.onnx"), testing::mean_color_network()));
     EXPECT_OK(write_file(path("colors.card.json"), R"({"input": {"width": 6, "height": 4}})"));
     mapped_ = result_of({"map", path("walk"), "--home", path("mapped.home"), "--network",

@@ -6,6 +6,7 @@
 #include "laboratory/trials/change_evaluation.h"
 #include "networks.h"
 #include "open_home.h"
+#include "roomwise/recording/open_recording.h"
 
 namespace roomwise::app {
 namespace {
@@ -40,8 +41,9 @@ Expected<Answer> evaluate(const ChangesEvaluationOptions& options, Context& cont
   pipeline::UpdateOptions with = options.update;
   with.visit.localizer.seed = context.seed;
   with.visit.rooms.reset();
+  ROOMWISE_TRY(const auto visit, recording::open_recording(options.visit));
   ROOMWISE_TRY(const pipeline::HomeUpdate update,
-               pipeline::compare_with_visit(home, options.visit, finders, {}, with, run));
+               pipeline::compare_with_visit(home, {*visit, *visit}, finders, {}, with, run));
   ROOMWISE_TRY(
       const trials::ChangeEvaluation result,
       trials::evaluate_changes(home, options.truth, options.visit, update, options.min_shift_m));

@@ -12,6 +12,7 @@
 #include "roomwise/image/codec.h"
 #include "roomwise/mapping/localization/lens_calibration.h"
 #include "roomwise/pipeline/mapping/home_localizer.h"
+#include "roomwise/recording/open_recording.h"
 
 namespace roomwise::app {
 namespace {
@@ -22,6 +23,7 @@ struct LocateOptions {
   fs::path home;
   std::vector<fs::path> pictures;
   std::vector<fs::path> depths;
+  std::vector<std::uint64_t> frames;  // of a recording
   std::string camera;
 
   [[nodiscard]] bool has_unknown_camera() const { return camera == "unknown"; }
@@ -36,6 +38,51 @@ Expected<pipeline::PictureToLocate> read_picture(const LocateOptions& options, s
     ROOMWISE_TRY(picture.depth, image::read_depth(options.depths[i]));
   }
   return picture;
+}
+
+// Frames of a recording: it knows their depth and camera itself. `camera`: given in its place.
+Expected<std::vector<pipeline::PictureToLocate>> read_frames(
+    const LocateOptions& options, const std::optional<geometry::PinholeCamera>& camera) {
+  const fs::path& path = options.pictures.front();
+  if (options.has_unknown_camera()) {
+    return fail("{}: is a recording, and says its camera; leave --camera unknown out",
+                path.string());
+  }
+  ROOMWISE_TRY(const auto recording, recording::open_recording(path, {.camera = camera}));
+  if (options.frames.empty()) {
+    return fail("{}: is a recording; say by --frame which of its pictures, {} to {}", path.string(),
+                recording->frames().front(), recording->frames().back());
+  }
+  std::vector<pipeline::PictureToLocate> pictures;
+  for (const std::uint64_t index : options.frames) {
+    ROOMWISE_TRY(auto frame, recording->frame(index));
+    if (!frame) return fail("{}: has no frame {} with depth", path.string(), index);
+    pictures.push_back(
+        {std::move(frame->color), std::move(frame->depth), recording->info().camera});
+  }
+  return pictures;
+}
+
+Expected<std::vector<pipeline::PictureToLocate>> read_pictures(const LocateOptions& options,
+                                                               const home::Home& home) {
+  std::optional<geometry::PinholeCamera> camera;
+  if (!options.has_unknown_camera()) {
+    ROOMWISE_TRY(camera, given_camera(options.camera));
+  }
+  const bool is_recording = options.pictures.size() == 1 &&
+                            recording::find_recording_kind(options.pictures.front()) != nullptr;
+  if (is_recording) return read_frames(options, camera);
+  if (!options.frames.empty()) {
+    return fail("{}: is no recording, so it has no --frame", options.pictures.front().string());
+  }
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  std::vector<pipeline::PictureToLocate> pictures;
+  for (std::size_t i = 0; i < options.pictures.size(); ++i) {
+    ROOMWISE_TRY(pipeline::PictureToLocate picture,
+                 read_picture(options, i, camera.value_or(recordings.front().recording.camera)));
+    pictures.push_back(std::move(picture));
+  }
+  return pictures;
 }
 
 // The room as the helper named it where the key-frame was taken; empty where that is not known.
@@ -163,12 +210,12 @@ Expected<mapping::Localization> locate_calibrated(
     const pipeline::HomeLocalizer& localizing) {
   std::vector<motion::FrameMeasurements> measured;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
-    ROOMWISE_TRY(auto one,
-                 in_context(options.pictures[i].string(), localizing.measure(pictures[i])));
+    const fs::path& file = options.pictures[std::min(i, options.pictures.size() - 1)];
+    ROOMWISE_TRY(auto one, in_context(file.string(), localizing.measure(pictures[i])));
     measured.push_back(std::move(one));
   }
   const mapping::Localizer& where = localizing.localizer();
-  const geometry::PinholeCamera& camera = pictures.front().camera;
+  const geometry::PinholeCamera& camera = pictures.front().camera;  // of both
   return measured.size() == 1 ? where.locate({measured[0], camera})
                               : where.locate({measured[0], camera}, {measured[1], camera}).second;
 }
@@ -185,16 +232,8 @@ Expected<Answer> locate(const LocateOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const auto recordings, home.recordings());
   if (recordings.empty()) return fail("{}: the home holds no recording", home.file());
-  geometry::PinholeCamera camera = recordings.front().recording.camera;
-  if (!options.camera.empty() && !options.has_unknown_camera()) {
-    ROOMWISE_TRY(camera, recording::resolve_camera(options.camera));
-  }
   // Before the map is loaded, which takes a moment.
-  std::vector<pipeline::PictureToLocate> pictures;
-  for (std::size_t i = 0; i < options.pictures.size(); ++i) {
-    ROOMWISE_TRY(pipeline::PictureToLocate picture, read_picture(options, i, camera));
-    pictures.push_back(std::move(picture));
-  }
+  ROOMWISE_TRY(const std::vector<pipeline::PictureToLocate> pictures, read_pictures(options, home));
   CommandRun run(context);
   mapping::LocalizerOptions localizer;
   localizer.seed = context.seed;
@@ -215,7 +254,8 @@ void add_locate_command(CLI::App& app, Context& context) {
   command->add_option("--home", options.home, "Home with a map")->required();
   command
       ->add_option("picture", options.pictures,
-                   "A picture, or two taken shortly after one another: the second's place")
+                   "A picture, or two taken shortly after one another: the second's place; or a "
+                   "recording of any kind that is read (docs/recordings.md), with --frame")
       ->required()
       ->expected(1, 2);
   command
@@ -223,10 +263,15 @@ void add_locate_command(CLI::App& app, Context& context) {
                    "The picture's depth image (16-bit PNG, registered to it), one for each; "
                    "without it far fewer pictures have an answer")
       ->expected(1, 2);
-  add_camera_option(
-      *command, options.camera,
-      "that of the home's recording; unknown: its focal length is found, too, beginning with what "
-      "the photo's Exif says of it");
+  command
+      ->add_option("--frame", options.frames,
+                   "Which picture of a recording, or which two; it says their depth and camera")
+      ->expected(1, 2)
+      ->excludes("--depth");
+  add_camera_option(*command, options.camera,
+                    "the recording's own, of pictures that of the home's; unknown: its focal "
+                    "length is found, too, beginning with what "
+                    "the photo's Exif says of it");
 }
 
 }  // namespace roomwise::app

@@ -17,6 +17,7 @@
 #include "roomwise/pipeline/rooms/room_evaluation.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
+#include "skip_damaged.h"
 
 namespace roomwise::app {
 namespace {
@@ -31,7 +32,7 @@ constexpr std::size_t kMaxMistakesShown = 60;
 struct RoomsEvaluationOptions {
   fs::path home;
   std::vector<fs::path> recordings;
-  fs::path labels;
+  std::vector<fs::path> labels;
   fs::path photos;
   std::vector<fs::path> unknown;
   fs::path report;
@@ -40,6 +41,7 @@ struct RoomsEvaluationOptions {
   pipeline::RoomEvaluationOptions evaluation;
   bool with_baselines = false;
   bool without_places = false;
+  bool skip_damaged = false;
   pipeline::BaselineOptions baselines;
   NetworkOptions networks;
 };
@@ -51,6 +53,7 @@ struct Pictures {
   std::vector<std::string> mapped_walks;  // whose places are not looked for
   std::vector<LabelledPicture> unknown;
   std::set<std::string> never_learned;
+  std::vector<std::string> damage;  // of those that are left out, why
 };
 
 // Whether it is the recording of which the home's map was made: its frames find themselves there.
@@ -62,20 +65,39 @@ Expected<bool> is_mapped(const home::Home& home, const fs::path& folder) {
   });
 }
 
+// Which rooms the i-th recording shows.
+Expected<recording::RoomLabels> labels_of(const RoomsEvaluationOptions& options, std::size_t i) {
+  if (!options.labels.empty()) return recording::RoomLabels::read(options.labels[i]);
+  const fs::path file = options.recordings[i] / "rooms.txt";
+  if (!fs::exists(file)) {
+    return fail("{}: has no rooms.txt that says which rooms it shows; give one by --labels",
+                options.recordings[i].string());
+  }
+  return recording::RoomLabels::read(file);
+}
+
 Expected<void> add_recordings(const RoomsEvaluationOptions& options, const home::Home& home,
-                              const std::vector<std::string>& learned, Pictures& all) {
-  if (!options.labels.empty() && options.recordings.size() > 1) {
-    return fail("--labels is of one recording; several must have their own rooms.txt each");
+                              const std::vector<std::string>& learned, Context& context,
+                              Pictures& all) {
+  if (!options.labels.empty() && options.labels.size() != options.recordings.size()) {
+    return fail(
+        "{} --labels and {} --recording; give one for each, or none where each has its own "
+        "rooms.txt",
+        options.labels.size(), options.recordings.size());
   }
   ROOMWISE_TRY(const pipeline::RoomSelection rooms, parse(options.selection));
-  for (const fs::path& folder : options.recordings) {
-    const fs::path file = options.labels.empty() ? folder / "rooms.txt" : options.labels;
-    ROOMWISE_TRY(const recording::RoomLabels labels, recording::RoomLabels::read(file));
+  for (std::size_t i = 0; i < options.recordings.size(); ++i) {
+    const fs::path& folder = options.recordings[i];
+    ROOMWISE_TRY(const recording::RoomLabels labels, labels_of(options, i));
     for (const recording::RoomRange& range : labels.ranges()) {
       if (rooms.contains(range)) all.never_learned.insert(range.room);
     }
     ROOMWISE_TRY(pipeline::RecordedPictures recorded, pipeline::RecordedPictures::open(folder));
-    all.walks.push_back(folder.filename().string());
+    for (const recording::DamagedFrame& one : recorded.damaged) all.damage.push_back(one.why);
+    if (recorded.with_depth) {
+      for (const std::string& note : recorded.with_depth->notes()) context.progress.note(note);
+    }
+    all.walks.push_back(recording::recording_name(folder));
     ROOMWISE_TRY(const bool was_mapped, is_mapped(home, folder));
     if (was_mapped) {
       all.mapped_walks.push_back(all.walks.back());
@@ -88,9 +110,10 @@ Expected<void> add_recordings(const RoomsEvaluationOptions& options, const home:
 }
 
 Expected<void> add_pictures(const RoomsEvaluationOptions& options, const home::Home& home,
-                            const std::vector<std::string>& learned, Pictures& all) {
+                            const std::vector<std::string>& learned, Context& context,
+                            Pictures& all) {
   if (options.photos.empty()) {
-    ROOMWISE_CHECK_OK(add_recordings(options, home, learned, all));
+    ROOMWISE_CHECK_OK(add_recordings(options, home, learned, context, all));
   } else {
     ROOMWISE_TRY(const auto photos, pipeline::list_room_photos(options.photos));
     for (const pipeline::RoomPhoto& photo : photos) all.never_learned.insert(photo.room);
@@ -98,7 +121,8 @@ Expected<void> add_pictures(const RoomsEvaluationOptions& options, const home::H
   }
   for (const std::string& room : learned) all.never_learned.erase(room);
   for (const fs::path& folder : options.unknown) {
-    ROOMWISE_CHECK_OK(pipeline::add_unknown_pictures(folder, all.unknown));
+    ROOMWISE_TRY(const auto damage, pipeline::add_unknown_pictures(folder, all.unknown));
+    std::ranges::copy(damage, std::back_inserter(all.damage));
   }
   return {};
 }
@@ -286,6 +310,8 @@ Expected<Answer> answer_of(const RoomsEvaluationOptions& options,
   }
   answer.text += confusion_text(content.rules.front());
   for (const std::string& note : content.notes) answer.text += note + "\n";
+  answer.text += damage_text(all.damage, "pictures that cannot be read");
+  if (options.skip_damaged) answer.json["damaged"] = all.damage;
   answer.json["resampled"] = evaluation.by_walks ? "walks" : "visits";
   answer.json["left_out"] = all.never_learned;
   if (!options.report.empty()) {
@@ -312,6 +338,38 @@ Expected<std::optional<pipeline::HomePlaces>> places_of(const home::Home& home,
   return pipeline::HomePlaces::create(home, {}, run);
 }
 
+// Takes out what cannot be read. A picture that is not there would pass for one that nobody asked
+// for, so it must be told to.
+Expected<void> leave_out_damaged(bool skip_damaged, Pictures& all, pipeline::RunContext& run) {
+  if (!skip_damaged && !all.damage.empty()) {
+    return fail("{}{}", all.damage.front(), kNamingSkipDamaged);
+  }
+  if (!skip_damaged) return {};
+  for (auto* const pictures : {&all.pictures, &all.unknown}) {
+    ROOMWISE_TRY(const auto damage, pipeline::leave_out_damaged(*pictures, run));
+    std::ranges::copy(damage, std::back_inserter(all.damage));
+  }
+  if (all.pictures.empty()) {
+    return fail("none of the pictures can be read; the first: {}", all.damage.front());
+  }
+  return {};
+}
+
+// Tells of each picture that cannot be read how to go on without it.
+void name_the_mend(std::vector<LabelledPicture>& pictures) {
+  const auto naming = [](auto read) {
+    return [read] {
+      auto picture = read();
+      if (!picture) picture.error().message += kNamingSkipDamaged;
+      return picture;
+    };
+  };
+  for (LabelledPicture& picture : pictures) {
+    picture.read = naming(picture.read);
+    if (picture.read_to_locate) picture.read_to_locate = naming(picture.read_to_locate);
+  }
+}
+
 Expected<Answer> evaluate(const RoomsEvaluationOptions& options, Context& context) {
   cv::setNumThreads(1);
   if (options.photos.empty() == options.recordings.empty()) {
@@ -322,8 +380,11 @@ Expected<Answer> evaluate(const RoomsEvaluationOptions& options, Context& contex
                load_networks(options.networks, &home, /*also_brought=*/true));
   ROOMWISE_TRY(const auto recognizer, pipeline::RoomRecognizer::create(home, networks));
   Pictures all;
-  ROOMWISE_CHECK_OK(add_pictures(options, home, recognizer.rooms(), all));
+  ROOMWISE_CHECK_OK(add_pictures(options, home, recognizer.rooms(), context, all));
   CommandRun run(context);
+  ROOMWISE_CHECK_OK(leave_out_damaged(options.skip_damaged, all, run));
+  name_the_mend(all.pictures);
+  name_the_mend(all.unknown);
   ROOMWISE_TRY(const auto places, places_of(home, options, all, run));
   ROOMWISE_TRY(pipeline::RoomEvaluation evaluation,
                pipeline::evaluate_rooms(all.pictures, all.unknown, recognizer,
@@ -337,6 +398,9 @@ Expected<Answer> evaluate(const RoomsEvaluationOptions& options, Context& contex
 }
 
 void add_measuring_options(CLI::App& command, RoomsEvaluationOptions& options) {
+  command.add_flag(kSkipDamaged, options.skip_damaged,
+                   "Leave out pictures that cannot be read, and name them; without it the first "
+                   "such ends the work");
   add_setting(command, "--margin", options.margin,
               "Leave out frames that are fewer than this from a boundary of their room's range");
   add_setting(command, "--pair-step", options.evaluation.pair_step,
@@ -371,8 +435,10 @@ void add_rooms_eval_command(CLI::App& group, Context& context) {
       evaluate);
   command->add_option("--home", options.home, "Home file")->required();
   command->add_option("--recording", options.recordings,
-                      "Folder in TUM's format; may be given several times");
-  command->add_option("--labels", options.labels, "Its rooms.txt; default: the one in the folder");
+                      "Folder or file of any kind that is read (docs/recordings.md); may be given "
+                      "several times");
+  command->add_option("--labels", options.labels,
+                      "Its rooms.txt, one for each recording; default: the one in the folder");
   CLI::Option* photos = command->add_option("--photos", options.photos,
                                             "Or: a folder with one folder of photos a room");
   add_selection_options(*command, options.selection);

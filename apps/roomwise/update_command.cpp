@@ -2,12 +2,15 @@
 #include <filesystem>
 #include <opencv2/core/utility.hpp>
 
+#include "camera_option.h"
 #include "command_run.h"
 #include "commands.h"
 #include "networks.h"
 #include "open_home.h"
 #include "pose_json.h"
 #include "roomwise/pipeline/visits/update_home.h"
+#include "roomwise/recording/damage_tolerant_source.h"
+#include "roomwise/recording/open_recording.h"
 #include "skip_damaged.h"
 
 namespace roomwise::app {
@@ -21,7 +24,9 @@ struct UpdateCommandOptions {
   fs::path home;
   fs::path recording;
   bool dry_run = false;
+  std::string camera;
   bool without_rooms = false;
+  bool skip_damaged = false;
   NetworkOptions networks;
   pipeline::UpdateOptions update;
 };
@@ -185,7 +190,7 @@ Json to_json(const TaughtThings& things, const pipeline::HomeUpdate& update) {
 }
 
 Answer describe(const pipeline::HomeUpdate& update, const TaughtThings& taught,
-                const UpdateCommandOptions& options) {
+                const std::vector<std::string>& damage, const UpdateCommandOptions& options) {
   const home::Visit& visit = update.changes.visit;
   Answer answer{fmt::format("{} of {} pictures of the visit were found on the map\n", visit.placed,
                             visit.frames),
@@ -211,8 +216,8 @@ Answer describe(const pipeline::HomeUpdate& update, const TaughtThings& taught,
     answer.json["unnamed"].push_back(to_json(change));
     answer.text += row_of(change);
   }
-  answer.json["damaged"] = update.damage;
-  answer.text += damage_text(update.damage, "frames that cannot be read");
+  answer.json["damaged"] = damage;
+  answer.text += damage_text(damage, "frames that cannot be read");
   answer.text +=
       fmt::format("{} things are where they were, {} were not looked at\n", there, not_looked_at);
   if (update.rooms) answer.text += rows_of(*update.rooms, options.dry_run);
@@ -231,6 +236,11 @@ Answer describe(const pipeline::HomeUpdate& update, const TaughtThings& taught,
 
 Expected<Answer> update(const UpdateCommandOptions& options, Context& context) {
   cv::setNumThreads(1);
+  ROOMWISE_TRY(const auto camera, given_camera(options.camera));
+  ROOMWISE_TRY(const auto recording,
+               recording::open_recording(options.recording, {.camera = camera}));
+  for (const std::string& note : recording->notes()) context.progress.note(note);
+  warn_of_camera(recording->info().camera, context);
   ROOMWISE_TRY(const objects::ObjectFinders finders, load_object_finders());
   ROOMWISE_TRY(home::Home home, options.dry_run ? open_home_read_only(options.home, context)
                                                 : open_home(options.home, context));
@@ -255,20 +265,24 @@ Expected<Answer> update(const UpdateCommandOptions& options, Context& context) {
     ROOMWISE_TRY(taught, watch_taught_things(home, networks, finders, options.dry_run, run));
   }
   with.visit.own_things = taught.watch;
+  recording::DamageTolerantSource frames(*recording, options.skip_damaged);
   auto compared =
-      pipeline::compare_with_visit(home, options.recording, finders, networks, with, run);
-  if (!compared && compared.error().code == ErrorCode::kInterrupted) {
-    return fail_with(ErrorCode::kInterrupted, "{}; the home is as it was",
-                     compared.error().message);
+      pipeline::compare_with_visit(home, {*recording, frames}, finders, networks, with, run);
+  if (!compared) {
+    Error why = std::move(compared).error();
+    if (frames.is_stopped()) why.message += kNamingSkipDamaged;
+    if (why.code == ErrorCode::kInterrupted) why.message += "; the home is as it was";
+    return Unexpected(std::move(why));
   }
-  ROOMWISE_TRY(const pipeline::HomeUpdate found, std::move(compared));
+  pipeline::HomeUpdate& found = *compared;
+  found.changes.visit.folder = options.recording.string();
   if (!options.dry_run && !found.changes.empty()) {
     ROOMWISE_CHECK_OK(home.apply_changes(found.changes));
   }
   if (!options.dry_run) {
     ROOMWISE_TRY(taught.noted, pipeline::note_own_things(home, found.own_things));
   }
-  return describe(found, taught, options);
+  return describe(found, taught, frames.damage(), options);
 }
 
 }  // namespace
@@ -280,13 +294,17 @@ void add_update_command(CLI::App& app, Context& context) {
       "(the old state is kept with its time), and what its rooms look like now",
       "roomwise update --home my.home LATER-RECORDING", update);
   command->add_option("--home", options.home, "Home with a map")->required();
-  command->add_option("recording", options.recording, "Folder in TUM's format")->required();
+  command
+      ->add_option("recording", options.recording,
+                   "Folder or file of any kind that is read (docs/recordings.md)")
+      ->required();
+  add_camera_option(*command, options.camera, "the recording's own");
   command->add_flag("--dry-run", options.dry_run, "Say what changed, but write nothing");
   command->add_flag("--without-rooms", options.without_rooms,
                     "Leave the learned rooms as they are; without this, pictures of the walk that "
                     "clearly show a room are learned too");
   command->add_flag(
-      kSkipDamaged, options.update.visit.skip_damaged,
+      kSkipDamaged, options.skip_damaged,
       "Leave out frames that cannot be read, and name them; without it the first such "
       "ends the work");
   add_network_options(*command, options.networks);

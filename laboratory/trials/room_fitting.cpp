@@ -52,6 +52,7 @@ Expected<std::vector<LabelledPicture>> known_pictures(const RoomTest& test) {
   }
   ROOMWISE_TRY(const auto labels, recording::RoomLabels::read(labels_file));
   ROOMWISE_TRY(const auto recorded, pipeline::RecordedPictures::open(test.folder));
+  if (!recorded.damaged.empty()) return fail("{}", recorded.damaged.front().why);
   pipeline::RoomSelection selection;
   if (!test.visits.empty()) {
     ROOMWISE_TRY(selection.visits, pipeline::parse_visits(test.visits));
@@ -65,7 +66,8 @@ Expected<std::vector<LabelledPicture>> pictures_of(const RoomTest& test,
                                                    std::size_t max_elsewhere) {
   if (!test.is_elsewhere) return known_pictures(test);
   std::vector<LabelledPicture> pictures;
-  ROOMWISE_CHECK_OK(pipeline::add_unknown_pictures(test.folder, pictures));
+  ROOMWISE_TRY(const auto damage, pipeline::add_unknown_pictures(test.folder, pictures));
+  if (!damage.empty()) return fail("{}", damage.front());
   return spread_evenly(std::move(pictures), max_elsewhere);
 }
 

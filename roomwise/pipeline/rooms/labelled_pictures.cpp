@@ -5,6 +5,7 @@
 
 #include "roomwise/image/codec.h"
 #include "roomwise/image/picture_files.h"
+#include "roomwise/pipeline/in_blocks.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/recording/open_recording.h"
 #include "roomwise/recording/tum_recording.h"
@@ -48,9 +49,8 @@ Expected<void> check_not_empty(const std::vector<LabelledPicture>& pictures) {
 Expected<RecordedPictures> RecordedPictures::open(const fs::path& path) {
   if (lists_colors_alone(path)) return open_colors(path);
   ROOMWISE_TRY(auto opened, recording::open_recording(path));
-  // A picture that is not there would pass for one that nobody asked for.
-  if (!opened->damaged().empty()) return fail("{}", opened->damaged().front().why);
   RecordedPictures recorded;
+  recorded.damaged = opened->damaged();
   recorded.with_depth = std::move(opened);
   recorded.pictures = recorded.with_depth->pictures();
   recorded.read_color = [all = recorded.with_depth](std::uint64_t i) { return all->read_color(i); };
@@ -87,7 +87,8 @@ Expected<void> add_frames(const RecordedPictures& recorded, const recording::Roo
   for (const recording::RoomRange& range : labels.ranges()) {
     ++sequence;
     if (!selection.rooms.contains(range) || !is_learned(range.room, learned)) continue;
-    const std::uint64_t last = recorded.pictures.back().index;
+    std::uint64_t last = recorded.pictures.back().index;
+    if (!recorded.damaged.empty()) last = std::max(last, recorded.damaged.back().index);
     if (range.last_frame > last) {
       return fail(
           "the labels name frame {}, but the recording has {} colour images, the last of them {}; "
@@ -126,8 +127,9 @@ Expected<std::vector<LabelledPicture>> select_photos(const fs::path& folder,
   return pictures;
 }
 
-Expected<void> add_unknown_pictures(const fs::path& folder,
-                                    std::vector<LabelledPicture>& pictures) {
+Expected<std::vector<std::string>> add_unknown_pictures(const fs::path& folder,
+                                                        std::vector<LabelledPicture>& pictures) {
+  std::vector<std::string> damage;
   const std::size_t before = pictures.size();
   std::size_t sequence = pictures.empty() ? 0 : pictures.back().sequence + 1;
   const std::size_t walk = pictures.empty() ? 0 : pictures.back().walk + 1;
@@ -139,6 +141,7 @@ Expected<void> add_unknown_pictures(const fs::path& folder,
       pictures.back().sequence = sequence;
       pictures.back().walk = walk;
     }
+    for (const recording::DamagedFrame& one : recorded.damaged) damage.push_back(one.why);
   } else {
     ROOMWISE_TRY(const auto files, image::picture_files(folder));
     for (const fs::path& file : files) {
@@ -149,7 +152,31 @@ Expected<void> add_unknown_pictures(const fs::path& folder,
   if (pictures.size() == before) {
     return fail("{}: holds no JPEG or PNG files", folder.string());
   }
-  return {};
+  return damage;
+}
+
+Expected<std::vector<std::string>> leave_out_damaged(std::vector<LabelledPicture>& pictures,
+                                                     RunContext& run) {
+  std::vector<std::string> damage;
+  std::vector<LabelledPicture> whole;
+  const auto index = [](std::size_t i) -> Expected<std::size_t> { return i; };
+  const auto why_damaged = [&](std::size_t i, std::size_t) -> Expected<std::string> {
+    const auto message = [](const auto& read) { return read ? "" : read.error().message; };
+    const LabelledPicture& one = pictures[i];
+    return one.read_to_locate ? message(one.read_to_locate()) : message(one.read());
+  };
+  const auto take = [&](std::size_t i, std::string why) -> Expected<void> {
+    if (why.empty()) {
+      whole.push_back(pictures[i]);
+    } else {
+      damage.push_back(std::move(why));
+    }
+    return {};
+  };
+  ROOMWISE_CHECK_OK(
+      in_blocks(pictures.size(), "looking for damage", run, index, why_damaged, take));
+  pictures = std::move(whole);
+  return damage;
 }
 
 }  // namespace roomwise::pipeline

@@ -34,6 +34,7 @@ struct RecordedPictures {
   std::function<Expected<image::ColorImage>(std::uint64_t index)> read_color;
   std::function<std::string(const recording::RecordedPicture&)> describe;
   std::shared_ptr<const recording::Recording> with_depth;  // null: none is to be located
+  std::vector<recording::DamagedFrame> damaged = {};       // not among `pictures`
 
   // Of a TUM folder rgb.txt alone is enough. Fails as the recording's kind does.
   [[nodiscard]] static Expected<RecordedPictures> open(const std::filesystem::path& path);
@@ -60,8 +61,12 @@ struct FrameSelection {
     const std::filesystem::path& folder, const std::vector<std::string>& learned);
 // Adds every JPEG and PNG file under a folder, each a sequence of its own, or, where it is a
 // recording, its pictures, one sequence: pictures of places that were never learned.
-// All are one walk. Fails where there is none.
-[[nodiscard]] Expected<void> add_unknown_pictures(const std::filesystem::path& folder,
-                                                  std::vector<LabelledPicture>& pictures);
+// All are one walk. Of frames of a recording that are damaged, why. Fails where there is none.
+[[nodiscard]] Expected<std::vector<std::string>> add_unknown_pictures(
+    const std::filesystem::path& folder, std::vector<LabelledPicture>& pictures);
+
+// Takes those out that cannot be read, with their depth where they are to be located. Of each, why.
+[[nodiscard]] Expected<std::vector<std::string>> leave_out_damaged(
+    std::vector<LabelledPicture>& pictures, RunContext& run);
 
 }  // namespace roomwise::pipeline

@@ -63,7 +63,6 @@ class VisitComparison {
     update.changes.visit = frames.visit;
     update.rooms = frames.rooms;
     update.own_things = frames.own_things;
-    update.damage = frames.damage;
     if (frames.rooms) update.changes.pictures = frames.rooms->pictures;
     report_known(changes, frames, update);
     for (const objects::ArrivedInstance& arrival : changes.arrived) {
@@ -305,8 +304,7 @@ Expected<void> UpdateOptions::validate() const {
   return changes.validate();
 }
 
-Expected<HomeUpdate> compare_with_visit(const home::Home& home,
-                                        const std::filesystem::path& recording,
+Expected<HomeUpdate> compare_with_visit(const home::Home& home, const VisitRecording& visit,
                                         const objects::ObjectFinders& finders,
                                         const Networks& networks, const UpdateOptions& options,
                                         RunContext& run) {
@@ -323,10 +321,11 @@ Expected<HomeUpdate> compare_with_visit(const home::Home& home,
   }
   const objects::GroundPlane level = objects::fit_ground_plane(components.at(0));
   ROOMWISE_TRY(const VisitFrames frames,
-               observe_visit(home, recording, finders, networks, level, options.visit, run));
+               observe_visit(home, visit, finders, networks, level, options.visit, run));
   if (frames.placed.size() < 2) {
     return fail("{}: only {} of {} frames were found on the map of {}; is it the same home?",
-                recording.string(), frames.placed.size(), frames.visit.frames, home.file());
+                visit.recording.info().name, frames.placed.size(), frames.visit.frames,
+                home.file());
   }
   const auto timing = run.clock.measure("comparing");
   ROOMWISE_TRY(VisitComparison comparison, VisitComparison::create(home));

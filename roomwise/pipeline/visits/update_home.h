@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -62,7 +61,6 @@ struct HomeUpdate {
   std::optional<RoomUpdate> rooms;     // where they were to be refreshed
   OwnThingSightings own_things;        // where things that people taught were seen last
   home::HomeChanges changes;           // what Home::apply_changes() takes
-  std::vector<std::string> damage;     // of the visit's frames that were left out, why
 };
 
 // Compares a home's map with a later walk through the same home: frames are placed on the map and
@@ -72,11 +70,8 @@ struct HomeUpdate {
 // the update says why. Reads only. Fails where the home has no map, where no finder has looked at
 // it, where the network is not among `networks` that its rooms were learned with, and where fewer
 // than two frames were placed.
-[[nodiscard]] Expected<HomeUpdate> compare_with_visit(const home::Home& home,
-                                                      const std::filesystem::path& recording,
-                                                      const objects::ObjectFinders& finders,
-                                                      const Networks& networks,
-                                                      const UpdateOptions& options,
-                                                      RunContext& run);
+[[nodiscard]] Expected<HomeUpdate> compare_with_visit(
+    const home::Home& home, const VisitRecording& visit, const objects::ObjectFinders& finders,
+    const Networks& networks, const UpdateOptions& options, RunContext& run);
 
 }  // namespace roomwise::pipeline

@@ -14,6 +14,8 @@
 #include "roomwise/pipeline/testing/interrupted_at.h"
 #include "roomwise/pipeline/testing/red_finder.h"
 #include "roomwise/pipeline/testing/walk_with_box.h"
+#include "roomwise/recording/damage_tolerant_source.h"
+#include "roomwise/recording/open_recording.h"
 #include "roomwise/recording/tum_writer.h"
 
 namespace roomwise::pipeline {
@@ -46,7 +48,16 @@ class UpdateHome : public ::testing::Test {
   Expected<HomeUpdate> visit(const std::optional<DrawnBox>& box) {
     const auto folder = folder_ / fmt::format("visit-{}", visits_++);
     ROOMWISE_CHECK_OK(write_walk(folder, kFrames, kStep_rad, box));
-    return compare_with_visit(*home_, folder, finders_, {}, {}, run_);
+    return compare(folder);
+  }
+  Expected<HomeUpdate> compare(const std::filesystem::path& folder,
+                               const UpdateOptions& options = {}) {
+    return compare(folder, options, run_);
+  }
+  Expected<HomeUpdate> compare(const std::filesystem::path& folder, const UpdateOptions& options,
+                               RunContext& run) {
+    ROOMWISE_TRY(const auto recording, recording::open_recording(folder));
+    return compare_with_visit(*home_, {*recording, *recording}, finders_, {}, options, run);
   }
   static Expected<void> write_walk(const std::filesystem::path& folder, int frames, double step_rad,
                                    const std::optional<DrawnBox>& box) {
@@ -236,7 +247,7 @@ TEST_F(UpdateHomeByCloserLooks, FramesAsFarApartAsKeyframesAreShownAndTheOthersN
     finders_.of_proposals = std::move(proposal_classifier);
     UpdateOptions options;
     options.visit.every = every;
-    const auto update = compare_with_visit(*home_, folder, finders_, {}, options, run_);
+    const auto update = compare(folder, options);
     EXPECT_OK(update);
     EXPECT_EQ(update->things.at(0).state, objects::ChangeState::kMoved);
     return counting.looks();
@@ -253,8 +264,7 @@ TEST_F(UpdateHomeByCloserLooks, InterruptedMeanwhileIsAnError) {
   RunContext run{pool_, interrupted, clock_};
   const auto folder = folder_ / "visit";
   ASSERT_OK(write_walk(folder, kFrames, kStep_rad, kElsewhere));
-  EXPECT_ERROR(compare_with_visit(*home_, folder, finders_, {}, {}, run),
-               "interrupted while looking closer at the visit");
+  EXPECT_ERROR(compare(folder, {}, run), "interrupted while looking closer at the visit");
 }
 
 TEST_F(UpdateHomeByCloserLooks, OneThatFailsIsAnError) {
@@ -269,22 +279,24 @@ TEST_F(UpdateHome, GoesOnWithoutAPictureThatCannotBeReadWhereItIsToldTo) {
   ASSERT_OK(write_walk(folder, kFrames, kStep_rad, kBox));
   const auto picture = std::filesystem::directory_iterator(folder / "rgb")->path();
   ASSERT_OK(write_file(picture, std::string_view("no picture")));
-  UpdateOptions options;
-  EXPECT_ERROR(compare_with_visit(*home_, folder, finders_, {}, options, run_), picture.string());
-  options.visit.skip_damaged = true;
-  const auto update = compare_with_visit(*home_, folder, finders_, {}, options, run_);
+  EXPECT_ERROR(compare(folder), picture.string());
+  const auto recording = recording::open_recording(folder);
+  ASSERT_OK(recording);
+  recording::DamageTolerantSource whole(**recording, true);
+  const auto update = compare_with_visit(*home_, {**recording, whole}, finders_, {}, {}, run_);
   ASSERT_OK(update);
-  EXPECT_THAT(update->damage, ::testing::ElementsAre(::testing::HasSubstr(picture.string())));
+  EXPECT_THAT(whole.damage(), ::testing::ElementsAre(::testing::HasSubstr(picture.string())));
   EXPECT_EQ(update->changes.visit.frames, std::uint64_t{kFrames - 1});
 }
 
 TEST_F(UpdateHome, SaysWhatIsMissing) {
-  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_, {}, {}, run_), "nowhere");
-  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", {}, {}, {}, run_), "no detector");
+  const auto folder = folder_ / "visit";
+  ASSERT_OK(write_walk(folder, 2, kStep_rad, kBox));
   UpdateOptions options;
   options.visit.every = 0;
-  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_, {}, options, run_),
-               "every is 0");
+  EXPECT_ERROR(compare(folder, options), "every is 0");
+  finders_.in_pictures.clear();
+  EXPECT_ERROR(compare(folder), "no detector");
 }
 
 }  // namespace

@@ -13,8 +13,6 @@
 #include "roomwise/pipeline/objects/keyframe_observer.h"
 #include "roomwise/pipeline/objects/proposal_observations.h"
 #include "roomwise/pipeline/objects/stored_detections.h"
-#include "roomwise/recording/damage_tolerant_source.h"
-#include "roomwise/recording/open_recording.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -102,20 +100,18 @@ Expected<std::optional<RoomUpdate>> VisitLooker::update_rooms(
 }
 
 // All frames of the recording that are found on the map.
-Expected<VisitFrames> place_frames(recording::Recording& recording,
-                                   const std::filesystem::path& folder, const VisitLooker& looker,
+Expected<VisitFrames> place_frames(const VisitRecording& visit, const VisitLooker& looker,
                                    const VisitOptions& options, RunContext& run) {
   VisitFrames frames;
-  recording::DamageTolerantSource source(recording, options.skip_damaged);
-  frames.visit.name = recording.info().name;
-  frames.visit.folder = folder.string();
+  const recording::SourceInfo& info = visit.recording.info();
+  frames.visit.name = info.name;
   std::vector<image::RgbdFrame> block;
   const auto place_block = [&]() -> Expected<void> {
     std::vector<Expected<std::optional<VisitLooker::Look>>> looks(block.size(),
                                                                   fail("not placed yet"));
     run.pool.parallel_for(block.size(), [&](std::size_t i) {
       const auto timing = run.clock.measure("placing and looking");
-      looks[i] = looker.place(std::move(block[i]), recording.info().camera);
+      looks[i] = looker.place(std::move(block[i]), info.camera);
     });
     block.clear();
     for (auto& look : looks) {
@@ -127,9 +123,9 @@ Expected<VisitFrames> place_frames(recording::Recording& recording,
     }
     return {};
   };
-  run.progress.begin("looking at the visit", recording.frames().size());
+  run.progress.begin("looking at the visit", visit.recording.frames().size());
   for (std::uint64_t count = 0; !run.progress.interrupted(); ++count) {
-    ROOMWISE_TRY(auto frame, source.next());
+    ROOMWISE_TRY(auto frame, visit.frames.next());
     if (!frame) break;
     if (count % options.every != 0) continue;
     if (frames.visit.frames++ == 0) frames.visit.first_timestamp_ns = frame->timestamp_ns;
@@ -142,7 +138,6 @@ Expected<VisitFrames> place_frames(recording::Recording& recording,
   run.progress.end();
   ROOMWISE_CHECK_OK(run.progress.check("looking at the visit"));
   frames.visit.placed = frames.placed.size();
-  frames.damage = source.damage();
   return frames;
 }
 
@@ -233,22 +228,21 @@ Expected<void> VisitOptions::validate() const {
   return rooms ? rooms->validate() : Expected<void>{};
 }
 
-Expected<VisitFrames> observe_visit(const home::Home& home, const std::filesystem::path& folder,
+Expected<VisitFrames> observe_visit(const home::Home& home, const VisitRecording& visit,
                                     const objects::ObjectFinders& finders, const Networks& networks,
                                     const objects::GroundPlane& level, const VisitOptions& options,
                                     RunContext& run) {
-  ROOMWISE_TRY(const auto recording, recording::open_recording(folder));
   ROOMWISE_TRY(const VisitLooker looker,
                VisitLooker::create(home, finders.in_pictures, networks, options, run));
-  ROOMWISE_TRY(VisitFrames frames, place_frames(*recording, folder, looker, options, run));
+  ROOMWISE_TRY(VisitFrames frames, place_frames(visit, looker, options, run));
   ROOMWISE_TRY(frames.rooms, looker.update_rooms(home, frames.placed));
   if (finders.of_proposals != nullptr) {
-    ROOMWISE_CHECK_OK(look_closer_at_visit(frames, *recording, *finders.of_proposals,
+    ROOMWISE_CHECK_OK(look_closer_at_visit(frames, visit.recording, *finders.of_proposals,
                                            looker.vocabulary(), level, run));
   }
   if (options.own_things) {
     ROOMWISE_TRY(frames.own_things,
-                 find_own_things_of_visit(home, frames, *recording, *options.own_things, run));
+                 find_own_things_of_visit(home, frames, visit.recording, *options.own_things, run));
   }
   return frames;
 }

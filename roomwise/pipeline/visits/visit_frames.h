@@ -13,12 +13,12 @@
 #include "roomwise/pipeline/objects/own_things.h"
 #include "roomwise/pipeline/run_context.h"
 #include "roomwise/pipeline/visits/visit_rooms.h"
+#include "roomwise/recording/recording.h"
 
 namespace roomwise::pipeline {
 
 struct VisitOptions {
-  std::uint64_t every = 1;    // of the visit's frames
-  bool skip_damaged = false;  // frames that cannot be read are left out, else the first is an error
+  std::uint64_t every = 1;  // of the visit's frames
   mapping::LocalizerOptions localizer;
   // How the learned rooms are refreshed; absent: they stay as they are.
   std::optional<rooms::VisitLearningOptions> rooms = rooms::VisitLearningOptions{};
@@ -26,6 +26,12 @@ struct VisitOptions {
   std::shared_ptr<const OwnThingWatch> own_things = nullptr;
 
   [[nodiscard]] Expected<void> validate() const;
+};
+
+// What was recorded of a visit.
+struct VisitRecording {
+  const recording::Recording& recording;
+  recording::FrameSource& frames;  // those of it that are looked at, from the next on
 };
 
 // A frame of a visit that was placed on the map.
@@ -45,7 +51,6 @@ struct VisitFrames {
   std::vector<objects::ObservedKeyframe> observed;
   std::optional<RoomUpdate> rooms;  // where they were to be refreshed
   OwnThingSightings own_things;     // where things that people taught were seen last
-  std::vector<std::string> damage;  // of the frames that were left out, why
 };
 
 // Places the frames of a recording on the home's map, one by one, and lets the finders (one at
@@ -56,7 +61,7 @@ struct VisitFrames {
 // that its rooms were learned with, where the recording or a frame cannot be read, as the finders
 // do, and when the user interrupts.
 [[nodiscard]] Expected<VisitFrames> observe_visit(const home::Home& home,
-                                                  const std::filesystem::path& recording,
+                                                  const VisitRecording& visit,
                                                   const objects::ObjectFinders& finders,
                                                   const Networks& networks,
                                                   const objects::GroundPlane& level,

@@ -9,16 +9,17 @@ extern "C" {
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 
 namespace roomwise::recording::testing {
 
-// An MP4 file of `count` grey pictures, the i-th of brightness 20 + 6 * (i % 32), with pictures
-// that are predicted from later ones and a whole one every `gop`; its index before or behind them.
-// False where it cannot be made.
-[[nodiscard]] inline bool write_grey_video(const std::filesystem::path& path, int count,
-                                           AVCodecID kind = AV_CODEC_ID_MPEG4, int gop = 6,
-                                           int width = 64, int height = 48,
-                                           bool index_first = false) {
+// An MP4 file of `count` pictures without colour, of the brightness of the i-th at (x, y), with
+// pictures that are predicted from later ones and a whole one every `gop`; its index before or
+// behind them. False where it cannot be made.
+[[nodiscard]] inline bool write_video(const std::filesystem::path& path, int count,
+                                      const std::function<std::uint8_t(int i, int x, int y)>& luma,
+                                      AVCodecID kind, int gop, int width, int height,
+                                      bool index_first = false) {
   AVFormatContext* format = nullptr;
   const AVCodec* encoder = avcodec_find_encoder(kind);
   if (encoder == nullptr ||
@@ -63,8 +64,8 @@ namespace roomwise::recording::testing {
   for (int i = 0; i < count && is_fine; ++i) {
     is_fine = av_frame_make_writable(frame) >= 0;
     for (int y = 0; y < height && is_fine; ++y) {
-      std::fill_n(frame->data[0] + y * frame->linesize[0], width,
-                  static_cast<std::uint8_t>(20 + 6 * (i % 32)));
+      std::uint8_t* const row = frame->data[0] + std::ptrdiff_t{y} * frame->linesize[0];
+      for (int x = 0; x < width; ++x) row[x] = luma(i, x, y);
     }
     for (const int plane : {1, 2}) {
       for (int y = 0; y < height / 2 && is_fine; ++y) {
@@ -84,6 +85,15 @@ namespace roomwise::recording::testing {
   avcodec_free_context(&codec);
   avformat_free_context(format);
   return is_fine;
+}
+
+// The same of grey pictures, the i-th of brightness 20 + 6 * (i % 32).
+[[nodiscard]] inline bool write_grey_video(const std::filesystem::path& path, int count,
+                                           AVCodecID kind = AV_CODEC_ID_MPEG4, int gop = 6,
+                                           int width = 64, int height = 48,
+                                           bool index_first = false) {
+  const auto luma = [](int i, int, int) { return static_cast<std::uint8_t>(20 + 6 * (i % 32)); };
+  return write_video(path, count, luma, kind, gop, width, height, index_first);
 }
 
 // What a picture of such a video shows: luma 16 to 235 spread to 0 to 255.

@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <limits>
+#include <vector>
 
 #include "roomwise/image/codec.h"
 #include "roomwise/recording/messages/testing/byte_writer.h"
@@ -17,6 +18,9 @@ struct SensPlan {
   double color_offset_m = 0;      // of the colour camera
   bool has_times = true;
   int color_width = 80, color_height = 60;
+  double color_focal_ratio = 1.25;  // focal length over width
+  std::uint16_t depth_mm = 1500;
+  std::vector<Bytes> colors = {};  // the frames' JPEGs; empty: three grey ones
 };
 
 inline void put_matrix(ByteWriter& out, double f, double cx, double cy, double x) {
@@ -32,11 +36,11 @@ inline Bytes zlib_packed(const Bytes& plain) {
   return packed;
 }
 
-// Three frames; tracking is lost in the second. Depth is 40x30.
+// Tracking is lost in the second frame. Depth is 40x30.
 inline Bytes sens_file(const SensPlan& plan) {
   ByteWriter out;
   out.number<std::uint32_t>(plan.version).counted<std::uint64_t>("StructureSensor");
-  put_matrix(out, 1.25 * plan.color_width, (plan.color_width - 1) / 2.0,
+  put_matrix(out, plan.color_focal_ratio * plan.color_width, (plan.color_width - 1) / 2.0,
              (plan.color_height - 1) / 2.0, 0);
   put_matrix(out, 1, 0, 0, plan.color_offset_m);
   put_matrix(out, 50, 19.5, 14.5, 0);
@@ -46,12 +50,14 @@ inline Bytes sens_file(const SensPlan& plan) {
     out.number<std::uint32_t>(static_cast<std::uint32_t>(side));
   }
   out.number<float>(1000).number<std::uint64_t>(plan.frame_count);
-  const Bytes color =
+  const Bytes grey =
       image::encode_jpeg(image::ColorImage(plan.color_width, plan.color_height, {90, 90, 90}), 90);
+  const std::vector<Bytes> colors = plan.colors.empty() ? std::vector(3, grey) : plan.colors;
   ByteWriter depth;
-  for (int i = 0; i < 40 * 30; ++i) depth.number<std::uint16_t>(1500);
+  for (int i = 0; i < 40 * 30; ++i) depth.number<std::uint16_t>(plan.depth_mm);
   const Bytes packed = plan.depth_packing == 1 ? zlib_packed(depth.all()) : depth.all();
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < std::ssize(colors); ++i) {
+    const Bytes& color = colors[static_cast<std::size_t>(i)];
     put_matrix(out, 1, 0, 0, i == 1 ? -std::numeric_limits<double>::infinity() : i);
     const auto time = static_cast<std::uint64_t>(plan.has_times ? 1'000'000 + 33'000 * i : 0);
     out.number<std::uint64_t>(time).number<std::uint64_t>(time);
