@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "roomwise/base/file.h"
+#include "roomwise/base/in_context.h"
 #include "roomwise/image/codec.h"
 
 namespace roomwise::pipeline {
@@ -19,6 +20,7 @@ struct Picture {
   std::string digest;
   std::optional<home::KeyframeId> keyframe;
   std::map<int, Features> features;
+  bool is_left_out = false;
 };
 
 // A number that the picture's bytes alone determine: the first 64 bits of their digest.
@@ -114,6 +116,7 @@ class FeatureMaker {
     std::vector<std::vector<Features>> features;
     for (const Picture& picture : made_) {
       auto& of_picture = features.emplace_back();
+      if (picture.is_left_out) continue;
       for (int variant = wanted_.first; variant <= wanted_.last; ++variant) {
         of_picture.push_back(picture.features.at(variant));
       }
@@ -123,12 +126,19 @@ class FeatureMaker {
 
  private:
   Expected<void> make(std::size_t i) {
-    ROOMWISE_TRY(const Bytes bytes, [&] {
+    const Expected<Bytes> bytes = [&] {
       const std::scoped_lock lock(reading_);
       return pictures_.read(i);
-    }());
-    return add(i, bytes).map_error(
-        [&](Error error) { return std::move(error).in(pictures_.name(i)); });
+    }();
+    if (!bytes) return go_on_without(i, bytes.error());
+    return add(i, *bytes);
+  }
+
+  Expected<void> go_on_without(std::size_t i, const Error& why) {
+    const std::scoped_lock lock(reading_);
+    if (!pictures_.leave_out) return Unexpected(why);
+    made_[i].is_left_out = true;
+    return pictures_.leave_out(i, why);
   }
 
   Expected<void> add(std::size_t i, const Bytes& bytes) {
@@ -143,9 +153,13 @@ class FeatureMaker {
       if (picture.features.contains(variant)) continue;
       if (!color) {
         const auto timing = run_.clock.measure("decode");
-        ROOMWISE_TRY(color, image::decode_color(bytes));
+        auto decoded = in_context(pictures_.name(i), image::decode_color(bytes));
+        if (!decoded) return go_on_without(i, decoded.error());
+        color = *std::move(decoded);
       }
-      ROOMWISE_TRY(picture.features[variant], look(*color, number_of(picture.digest), variant));
+      ROOMWISE_TRY(auto features,
+                   in_context(pictures_.name(i), look(*color, number_of(picture.digest), variant)));
+      picture.features[variant] = std::move(features);
       made_something_new_ = true;
     }
     return {};

@@ -8,6 +8,7 @@
 #include "roomwise/image/codec.h"
 #include "roomwise/image/picture_files.h"
 #include "roomwise/pipeline/rooms/picture_features.h"
+#include "roomwise/pipeline/stored/lost_pictures.h"
 #include "roomwise/rooms/recognition/room_decision.h"
 
 namespace roomwise::pipeline {
@@ -127,11 +128,13 @@ Expected<const network::Classifier*> loaded_network(const home::Home& home,
       home.file(), network.name);
 }
 
-// Gives each sample, a key-frame's, the features of variants of its picture.
+// Gives each sample, a key-frame's, the features of variants of its picture; notes those whose
+// picture cannot be read again, which have none.
 Expected<void> add_variants(home::Home& home, const home::Network& network,
                             std::span<const home::KeyframeId> keyframes,
                             std::span<rooms::RoomSample> samples, int variants,
-                            const Networks& networks, RunContext& run) {
+                            const Networks& networks, const std::shared_ptr<LostPictures>& lost,
+                            RunContext& run) {
   ROOMWISE_TRY(const network::Classifier* same, loaded_network(home, network, networks));
   const PictureSource source{
       keyframes.size(),
@@ -140,7 +143,10 @@ Expected<void> add_variants(home::Home& home, const home::Network& network,
         return std::move(images.color);
       },
       [&](std::size_t i) { return fmt::format("{}: key-frame {}", home.file(), keyframes[i]); },
-      [&](std::size_t i) { return keyframes[i]; }};
+      [&](std::size_t i) { return keyframes[i]; },
+      [&](std::size_t i, const Error& why) {
+        return go_on_without(home, keyframes[i], why, lost);
+      }};
   ROOMWISE_TRY(auto features, picture_features(home, source, *same, {1, variants}, run));
   for (std::size_t i = 0; i < samples.size(); ++i) samples[i].variants = std::move(features[i]);
   return {};
@@ -258,8 +264,10 @@ Expected<rooms::LearningReport> learn_rooms_from_keyframes(home::Home& home,
     ids.push_back(keyframe.id);
   }
   const home::Network& network = stored_networks.at(network_id);
+  const auto lost = std::make_shared<LostPictures>(true);
   if (learning.variants > 0) {
-    ROOMWISE_CHECK_OK(add_variants(home, network, ids, samples, learning.variants, networks, run));
+    ROOMWISE_CHECK_OK(
+        add_variants(home, network, ids, samples, learning.variants, networks, lost, run));
   }
   if (!learning.photos.empty()) {
     ROOMWISE_TRY(const network::Classifier* same, loaded_network(home, network, networks));
@@ -268,6 +276,14 @@ Expected<rooms::LearningReport> learn_rooms_from_keyframes(home::Home& home,
   }
   ROOMWISE_TRY(rooms::LearnedRooms learned,
                learn(samples, {network.name, network.fingerprint}, learning, run));
+  if (const auto unread = lost->all(); !unread.empty()) {
+    std::vector<std::string> named;
+    for (const auto& [id, why] : unread) named.push_back(why);
+    learned.report.warnings.push_back(fmt::format(
+        "stored pictures that cannot be read again: {}; they count as the network saw them, "
+        "but not varied: {}",
+        named.size(), fmt::join(named, "; ")));
+  }
   ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
     ROOMWISE_CHECK_OK(add_rooms(home, names_of_rooms(learning.photos)));
     return store(home, learned, ids);
