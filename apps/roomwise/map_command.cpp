@@ -137,6 +137,28 @@ std::string walks_text(const pipeline::MapSummary& summary) {
                                         summary.culled));
 }
 
+// Where the pictures surely fit another focal length than the camera's.
+std::string focal_length_text(const pipeline::MapSummary& summary,
+                              const geometry::PinholeCamera& camera) {
+  const auto& fit = summary.focal_length;
+  if (!fit || !fit->contradicts()) return "";
+  return fmt::format(
+      "camera      the pictures fit a focal length of about {:.0f} px ({:.0f} to {:.0f}) better "
+      "than "
+      "the {:.0f} px that the recording names; see --camera\n",
+      fit->ratio * camera.fx, fit->low() * camera.fx, fit->high() * camera.fx, camera.fx);
+}
+
+Json focal_length_json(const pipeline::MapSummary& summary, const geometry::PinholeCamera& camera) {
+  const auto& fit = summary.focal_length;
+  if (!fit) return nullptr;
+  return {{"fits_px", fit->ratio * camera.fx},
+          {"low_px", fit->low() * camera.fx},
+          {"high_px", fit->high() * camera.fx},
+          {"named_px", camera.fx},
+          {"contradicts", fit->contradicts()}};
+}
+
 std::string to_text(const pipeline::MapSummary& summary, const std::vector<std::string>& networks,
                     const std::vector<std::string>& detectors) {
   std::string text = fmt::format(
@@ -266,6 +288,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   for (const auto& [id, why] : run.lost->all()) lost.push_back(why);
   const image::PersonalFacts& left_out = source->info().left_out;
   answer.text = to_text(summary, names, detectors) +
+                focal_length_text(summary, source->info().camera) +
                 (left_out.any() ? "left out    " + left_out_text(left_out) + "\n" : "") +
                 damage_text(frames.damage(), "frames that cannot be read") +
                 damage_text(lost, "pictures of the map that cannot be read again");
@@ -297,6 +320,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
                  {"landmarks", summary.landmarks},
                  {"landmark_views", summary.landmark_views},
                  {"readout_s", readout_json(summary.readout_s)},
+                 {"focal_length", focal_length_json(summary, source->info().camera)},
                  {"objects", summary.objects},
                  {"instances", summary.instances},
                  {"left_out", left_out_json(left_out)},

@@ -5,7 +5,8 @@
 #include <set>
 #include <utility>
 
-#include "roomwise/image/metadata.h"
+#include "roomwise/image/codec.h"
+#include "roomwise/pipeline/mapping/camera_check.h"
 #include "roomwise/pipeline/mapping/culling.h"
 #include "roomwise/pipeline/mapping/home_floor.h"
 #include "roomwise/pipeline/mapping/home_localizer.h"
@@ -75,29 +76,31 @@ Expected<void> go_to_next_frame(recording::FrameSource& source, const home::Home
   return {};
 }
 
-// As they would be stored today: homes from before hold files with all that they said.
-home::KeyframeImages bare(const home::KeyframeImages& stored) {
-  return {image::without_metadata(stored.color).value_or(stored.color),
-          image::without_metadata(stored.depth).value_or(stored.depth)};
-}
-
 // A walk that the home holds already begins with the same key-frame: nothing is to be doubled.
-Expected<void> check_is_new(const home::Home& home, const image::RgbdFrame& first_keyframe,
-                            const RunContext& run) {
+// Where its stored images cannot be read again, its time and the walk's name, length and camera
+// say so.
+Expected<void> check_is_new(const home::Home& home, const home::Recording& recording,
+                            const image::RgbdFrame& first_keyframe, const RunContext& run) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  ROOMWISE_TRY(const auto recordings, home.recordings());
   for (const home::Keyframe& keyframe : keyframes) {
     if (keyframe.frame_index != first_keyframe.index ||
         keyframe.timestamp_ns != first_keyframe.timestamp_ns) {
       continue;
     }
     const auto images = home.images(keyframe.id);
+    const home::Recording& known =
+        std::ranges::find(recordings, keyframe.recording, &home::StoredRecording::id)->recording;
     if (!images) ROOMWISE_CHECK_OK(go_on_without(home, keyframe.id, images.error(), run.lost));
-    if (!images || !(bare(*images) == images_of(first_keyframe))) continue;
-    ROOMWISE_TRY(const auto recordings, home.recordings());
-    const auto known =
-        std::ranges::find(recordings, keyframe.recording, &home::StoredRecording::id);
+    const auto color = images ? image::decode_color(images->color) : Unexpected(images.error());
+    const auto depth = images ? image::decode_depth(images->depth) : Unexpected(images.error());
+    const bool is_same = color && depth
+                             ? *color == first_keyframe.color && *depth == first_keyframe.depth
+                             : known.name == recording.name && known.camera == recording.camera &&
+                                   known.frame_count == recording.frame_count;
+    if (!is_same) continue;
     return fail("{}: holds this recording already, as {}; nothing was added", home.file(),
-                known->recording.name);
+                known.name);
   }
   return {};
 }
@@ -105,8 +108,8 @@ Expected<void> check_is_new(const home::Home& home, const image::RgbdFrame& firs
 // Takes frames from the source until it ends; fails as it does, and where the user interrupts.
 Expected<void> map_frames(recording::FrameSource& source, const home::Home& home,
                           const features::FeatureExtractor& extractor, const MapSettings& settings,
-                          mapping::Mapper& mapper, MapWriter& writer, KeyframeObserver& observer,
-                          RunContext& run) {
+                          const home::Recording& recording, mapping::Mapper& mapper,
+                          MapWriter& writer, KeyframeObserver& observer, RunContext& run) {
   bool is_begun = writer.has_begun();
   MeasuredFrameReader reader(source, extractor, settings, run);
   std::shared_ptr<const image::RgbdFrame> previous;
@@ -124,7 +127,7 @@ Expected<void> map_frames(recording::FrameSource& source, const home::Home& home
                               frame->device_motion);
     }());
     if (!step.new_keyframes.empty() && !std::exchange(is_begun, true))
-      ROOMWISE_CHECK_OK(check_is_new(home, *frame, run));
+      ROOMWISE_CHECK_OK(check_is_new(home, recording, *frame, run));
     {
       const auto timing = run.clock.measure("store");
       ROOMWISE_CHECK_OK(writer.write(step, [&](std::uint64_t index) -> const image::RgbdFrame& {
@@ -307,7 +310,7 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
     return !outcome && outcome.error().code != ErrorCode::kInterrupted;
   };
   Expected<void> outcome =
-      map_frames(source, home, *extractor, settings, mapper, writer, observer, run);
+      map_frames(source, home, *extractor, settings, recording, mapper, writer, observer, run);
   ROOMWISE_CHECK_OK(observer.finish());
   const auto keyframes_of_walk = [&] {
     return mapper.keyframes().size() - writer.first_keyframe();
@@ -328,6 +331,8 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
     }
     ROOMWISE_CHECK_OK(writer.write_rest());
     ROOMWISE_CHECK_OK(observer.observe_missing());
+    ROOMWISE_TRY(summary.focal_length, check_focal_length(mapper, writer.first_keyframe(), camera,
+                                                          settings.mapper.seed, run));
     ROOMWISE_CHECK_OK(
         finish_map(home, settings, mapper, stored.id, finders, std::move(index), run, summary));
     {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "roomwise/home/home.h"
+#include "roomwise/motion/focal_length_fit.h"
 #include "roomwise/objects/proposals/object_finders.h"
 #include "roomwise/pipeline/objects/keyframe_observer.h"
 #include "roomwise/pipeline/run_context.h"
@@ -35,6 +36,7 @@ struct MapSummary {
   std::uint64_t landmarks = 0;
   std::uint64_t landmark_views = 0;
   std::optional<double> readout_s;  // of the camera's rolling shutter, where frames tell it
+  std::optional<motion::FocalLengthFit> focal_length;  // that the pictures fit, where they tell
   // Why key-frames could not be read that would have told whether the walk shows a place that the
   // map knows.
   std::vector<std::string> unread;

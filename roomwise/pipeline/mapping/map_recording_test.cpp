@@ -109,6 +109,34 @@ TEST_F(MapRecording, MapsAWalkIntoAHome) {
   EXPECT_EQ(home.paper_objects()->front().name, "bed");
 }
 
+// The same pictures, by who takes the camera for another.
+class TakenForAnother final : public recording::FrameSource {
+ public:
+  TakenForAnother(SyntheticWalk& walk, double focal_ratio) : walk_(walk), info_(walk.info()) {
+    info_.camera.fx *= focal_ratio;
+    info_.camera.fy *= focal_ratio;
+  }
+  [[nodiscard]] const recording::SourceInfo& info() const override { return info_; }
+  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override { return walk_.next(); }
+  void skip_before(std::uint64_t index) override { walk_.skip_before(index); }
+
+ private:
+  SyntheticWalk& walk_;
+  recording::SourceInfo info_;
+};
+
+TEST_F(MapRecording, TellsWhichFocalLengthThePicturesFit) {
+  for (const double named : {1.0, 0.85}) {
+    SyntheticWalk walk(100);
+    TakenForAnother named_wrongly(walk, named);
+    const auto summary = map(folder_ / fmt::format("{}.home", named), named_wrongly, 2);
+    ASSERT_OK(summary);
+    ASSERT_TRUE(summary->focal_length);
+    EXPECT_NEAR(summary->focal_length->ratio * named, 1, 0.03);
+    EXPECT_EQ(summary->focal_length->contradicts(), named != 1);
+  }
+}
+
 TEST_F(MapRecording, GivesTheSameHomeAtAnyNumberOfThreads) {
   SyntheticWalk one(kFrames);
   SyntheticWalk three(kFrames);
@@ -641,6 +669,14 @@ TEST_F(MapOverDamage, AWalkMoreIsMappedAndCulledAndLookedThroughCloser) {
   EXPECT_THAT(told_, ::testing::SizeIs(3)) << "not again";
 }
 
+TEST_F(MapOverDamage, TheSameWalkOnceMoreIsNoticedThoughItsFirstPictureIsDamaged) {
+  go_on_without();
+  const std::string before = digest(home_);
+  SyntheticWalk again(kFrames);
+  EXPECT_ERROR(map(home_, again, 2), "holds this recording already, as synthetic walk");
+  EXPECT_EQ(digest(home_), before);
+}
+
 TEST_F(MapOverDamage, WithoutLeaveTheErrorNamesTheKeyframeAndTheMend) {
   lost_ = std::make_shared<LostPictures>(false);
   SyntheticWalk further = further_walk(kFrames);
@@ -855,6 +891,15 @@ TEST_F(MapRecording, LearnsAndRecognisesItsRooms) {
     return home.database().get<int>("SELECT count(*) FROM picture_features").value();
   };
   EXPECT_GT(kept(), 10);
+
+  // Of pictures that cannot be read again only the network's word from before counts.
+  ASSERT_OK(home.database().run("UPDATE keyframe_images SET color = x'00' WHERE keyframe_id = 2"));
+  const auto damaged = learn_rooms_from_keyframes(home, {}, {.variants = 3}, networks, run);
+  ASSERT_OK(damaged);
+  EXPECT_THAT(damaged->warnings,
+              ::testing::Contains(::testing::AllOf(HasSubstr("cannot be read again: 1"),
+                                                   HasSubstr("a.home: key-frame 2: "))));
+  EXPECT_EQ(learned_keyframes(home)->size(), home.keyframes()->size());
   ASSERT_OK(home.remove_recording(1));
   EXPECT_EQ(kept(), 0);
 }
