@@ -46,7 +46,8 @@ check_contents() {
     ./usr/share/bash-completion/completions/roomwise-device ./usr/share/zsh/vendor-completions/_roomwise-device
   [[ ! $(field roomwise-device Depends) =~ libav|libopencv|libdnnl|libsqlite3 ]] ||
     fail "roomwise-device needs what only homes need: $(field roomwise-device Depends)"
-  [[ $(field roomwise Depends) == *libc6* ]] || fail "roomwise does not say which libraries it needs"
+  [[ $(field roomwise Depends) == *libc6*libicu72* ]] || fail "roomwise does not say which libraries it needs"
+  [[ $(field libroomwise-dev Depends) == *libicu-dev* ]] || fail "libroomwise-dev does not say which libraries it needs"
   right "packages, contents, control fields"
 }
 files() { dpkg-deb --contents "$(package "$1")" | awk '{print $6}'; }
@@ -137,6 +138,7 @@ use_program() {
 # As the unit does, on any free port; it ends in order when it is asked to.
 serve_home() {
   local log=$root/packages/serve.log address tries=0 server
+  : >"$log"
   as_service sh -c "echo \$\$ >/tmp/serve.pid; exec env HOME=/var/lib/roomwise roomwise serve $home --port 0" \
     </dev/null >"$log" 2>&1 &
   server=$!
