@@ -1,5 +1,6 @@
-// Bundles the pages and builds the manual: node scripts/build.mjs [--out DIR] (default: ../build/web); the labelling page beside DIR. The service worker comes last,
-// since it lists the files of the phone's page and carries their digest as its version.
+// Bundles the pages and builds the manual: node scripts/build.mjs [--out DIR] (default: ../build/web); the labelling page beside DIR. --reference DIR: pages of the
+// library's headers, which become part of the manual. The service worker comes last, since it lists the files of the phone's page and carries their digest as
+// its version.
 import { build } from 'esbuild';
 import { createHash } from 'node:crypto';
 import { cpSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -7,8 +8,7 @@ import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 
 const web = join(dirname(fileURLToPath(import.meta.url)), '..');
-const at = process.argv.indexOf('--out');
-const out = at < 0 ? join(web, '../build/web') : resolve(process.argv[at + 1] ?? '');
+const out = option('--out') ?? join(web, '../build/web');
 
 const common = { bundle: true, minify: true, target: ['es2021', 'safari15', 'chrome100'], logLevel: 'warning' };
 
@@ -47,7 +47,7 @@ await build({
 cpSync(join(web, 'src/labelling/page.html'), join(labelling, 'index.html'));
 
 const { buildManual } = await compiledForNode('src/manual/site.ts');
-buildManual(join(web, '..'), join(out, 'help'));
+buildManual(join(web, '..'), join(out, 'help'), option('--reference'));
 
 const shell = ['device.html', 'pair.html', 'css/device.css', 'css/pair.css', 'js/device.js', 'js/pair.js',
   'manifest.webmanifest', 'icons/icon.svg', 'icons/icon-192.png', ...importedParts(['js/device.js', 'js/pair.js'])];
@@ -65,6 +65,12 @@ await build({
     SHELL_FILES: JSON.stringify(shell.map((file) => '/' + file)),
   },
 });
+
+// The folder that an option names.
+function option(name) {
+  const at = process.argv.indexOf(name);
+  return at < 0 ? undefined : resolve(process.argv[at + 1] ?? '');
+}
 
 // A module of the sources that runs here. It lies beside node_modules, where its libraries are found.
 async function compiledForNode(source) {

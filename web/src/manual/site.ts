@@ -16,12 +16,24 @@ export interface Chapter {
 
 export interface Contents {
   title: string;
-  groups: { title: string; chapters: Chapter[] }[];
+  groups: Group[];
 }
 
-// root: of the repository. Throws where a link, an anchor or a chapter is not there.
-export function buildManual(root: string, out: string): void {
+export interface Group {
+  title: string;
+  chapters: Chapter[];
+  reference?: boolean; // ends with the pages of the library's headers, where they are there
+}
+
+const kReference = 'reference/index.html';
+
+// root: of the repository. reference: the folder with the pages of the library's headers, if they are to be part of it. Throws where a
+// link, an anchor or a chapter is not there.
+export function buildManual(root: string, out: string, reference?: string): void {
   const contents = JSON.parse(readFileSync(join(root, 'docs/manual/contents.json'), 'utf8')) as Contents;
+  for (const group of contents.groups) {
+    group.reference &&= reference !== undefined;
+  }
   const files = markdownUnder(join(root, 'docs')).map((file) => `docs/${file}`);
   const repository: Repository = {
     isPage: (file) => files.includes(file),
@@ -41,6 +53,9 @@ export function buildManual(root: string, out: string): void {
     }
   }
   write(join(out, 'index.html'), indexHtml(contents, titles));
+  if (reference !== undefined) {
+    cpSync(reference, dirname(join(out, kReference)), { recursive: true });
+  }
 }
 
 export function checkLinks(pages: readonly Page[]): void {
@@ -146,11 +161,22 @@ function chapterItem(chapter: Chapter, href: string, title: string, here: boolea
   return `<li><a href="${href}"${language}${here ? ' aria-current="page"' : ''}>${escaped(title)}</a>`;
 }
 
+function referenceItem(href: string): string {
+  return `<li><a href="${href}">The library's headers</a>`;
+}
+
+function groupHtml(group: Group, list: string, items: readonly string[]): string {
+  return `<h2>${escaped(group.title)}</h2>\n${list}\n${items.join('\n')}\n</ul>`;
+}
+
 function pageHtml(page: Page, chapter: Chapter | undefined, contents: Contents, titles: ReadonlyMap<string, string>): string {
-  const groups = contents.groups.map((group) => `<h2>${escaped(group.title)}</h2>\n<ul>\n${group.chapters.map((one) => {
-    const file = `docs/${one.file}`;
-    return `${chapterItem(one, relativeAddress(page.file, addressOf(file)), titles.get(file) ?? '', file === page.file)}</li>`;
-  }).join('\n')}\n</ul>`);
+  const groups = contents.groups.map((group) => groupHtml(group, '<ul>', [
+    ...group.chapters.map((one) => {
+      const file = `docs/${one.file}`;
+      return `${chapterItem(one, relativeAddress(page.file, addressOf(file)), titles.get(file) ?? '', file === page.file)}</li>`;
+    }),
+    ...(group.reference ? [`${referenceItem(relativeAddress(page.file, kReference))}</li>`] : []),
+  ]));
   const recording = chapter?.spoken
     ? `<audio controls preload="none" src="${posix.basename(recordingOf(page.file))}" aria-label="${escaped(page.title)}"></audio>\n`
     : '';
@@ -165,10 +191,13 @@ function pageHtml(page: Page, chapter: Chapter | undefined, contents: Contents, 
 }
 
 function indexHtml(contents: Contents, titles: ReadonlyMap<string, string>): string {
-  const groups = contents.groups.map((group) => `<h2>${escaped(group.title)}</h2>\n<ul class="chapters">\n${group.chapters.map((chapter) => {
-    const file = `docs/${chapter.file}`;
-    return `${chapterItem(chapter, addressOf(file), titles.get(file) ?? '', false)}. ${escaped(chapter.about)}</li>`;
-  }).join('\n')}\n</ul>`);
+  const groups = contents.groups.map((group) => groupHtml(group, '<ul class="chapters">', [
+    ...group.chapters.map((chapter) => {
+      const file = `docs/${chapter.file}`;
+      return `${chapterItem(chapter, addressOf(file), titles.get(file) ?? '', false)}. ${escaped(chapter.about)}</li>`;
+    }),
+    ...(group.reference ? [`${referenceItem(kReference)}. Every class and function that programs can use.</li>`] : []),
+  ]));
   return frameHtml({
     title: contents.title,
     language: 'en',

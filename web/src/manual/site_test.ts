@@ -1,9 +1,12 @@
 import assert from 'node:assert/strict';
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
 import { test } from 'node:test';
 
 import type { Repository } from './links';
 import { readPage } from './markdown';
-import { checkChapters, checkLinks } from './site';
+import { buildManual, checkChapters, checkLinks } from './site';
 
 const repository: Repository = {
   isPage: (file) => file.endsWith('.md'),
@@ -49,4 +52,28 @@ test('every chapter is there, and every page can be reached', () => {
   assert.throws(() => checkChapters([chapter('d.md')], pages), /there is no docs\/d\.md/);
   assert.throws(() => checkChapters([chapter('a.md')], pages), /leads to docs\/c\.md/);
   checkChapters([chapter('a.md'), chapter('c.md')], pages);
+});
+
+test('pages of the headers are part of the manual where they were made', () => {
+  const root = mkdtempSync(join(tmpdir(), 'roomwise-manual-'));
+  mkdirSync(join(root, 'docs/manual'), { recursive: true });
+  mkdirSync(join(root, 'headers'));
+  writeFileSync(join(root, 'docs/manual/contents.json'), JSON.stringify({
+    title: 'The manual',
+    groups: [{ title: 'For helpers', chapters: [] }, { title: 'For engineers', reference: true, chapters: [{ file: 'manual/a.md', about: 'All.' }] }],
+  }));
+  writeFileSync(join(root, 'docs/manual/a.md'), '# A\n');
+  writeFileSync(join(root, 'headers/index.html'), 'made by doxygen');
+  const pageOf = (out: string, file: string) => readFileSync(join(root, out, file), 'utf8');
+  try {
+    buildManual(root, join(root, 'without'));
+    assert.doesNotMatch(pageOf('without', 'index.html') + pageOf('without', 'manual/a.html'), /reference/);
+    assert.ok(!existsSync(join(root, 'without/reference')));
+    buildManual(root, join(root, 'with'), join(root, 'headers'));
+    assert.equal(pageOf('with', 'index.html').match(/<a href="reference\/index\.html">/g)?.length, 1);
+    assert.match(pageOf('with', 'manual/a.html'), /<a href="\.\.\/reference\/index\.html">/);
+    assert.equal(pageOf('with', 'reference/index.html'), 'made by doxygen');
+  } finally {
+    rmSync(root, { recursive: true });
+  }
 });
