@@ -202,8 +202,12 @@ Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string&
     return fail("'{}' is no name for a recording: it must not hold '/' or begin with '.'", name);
   }
   const auto connected = all_devices();
+  // Copied here: a device that is locked may wait for devices_mutex_.
+  std::optional<service::DeviceCamera> camera;
   const auto found = std::ranges::find_if(connected, [&](const auto& one) {
-    return one->who().device == device && one->is_here() && one->camera();
+    if (one->who().device != device || !one->is_here()) return false;
+    camera = one->camera();
+    return camera.has_value();
   });
   if (found == connected.end()) return fail("device {} is not connected with a camera", device);
   static_cast<void>(stop_preparing());  // it is gone on with afterwards
@@ -212,8 +216,7 @@ Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string&
   {
     const std::scoped_lock lock(devices_mutex_);
     if (recorder_) return fail("'{}' is being recorded; stop it first", recorder_->name());
-    ROOMWISE_TRY(recorder,
-                 WalkRecorder::begin(walks_folder() / name, *(*found)->camera(), unix_now_ns()));
+    ROOMWISE_TRY(recorder, WalkRecorder::begin(walks_folder() / name, *camera, unix_now_ns()));
     recorder_ = recorder;
     recording_device_ = device;
   }

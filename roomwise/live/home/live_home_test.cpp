@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <fstream>
+#include <future>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "roomwise/guide/answers/spot_prompts.h"
 #include "roomwise/image/codec.h"
@@ -30,6 +32,7 @@ constexpr int kFrames = 60;
 class WaitingWire final : public service::SocketOut {
  public:
   void send_text(std::string text) override {
+    if (const auto now = std::exchange(on_send, {})) now();
     const std::scoped_lock lock(mutex_);
     texts_.push_back(std::move(text));
     came_.notify_all();
@@ -67,6 +70,8 @@ class WaitingWire final : public service::SocketOut {
     }));
   }
 
+  std::function<void()> on_send;  // called as the next message is sent, before it is kept
+
  private:
   std::mutex mutex_;
   std::condition_variable came_;
@@ -83,7 +88,9 @@ class LiveHomeTest : public ::testing::Test {
   }
   void open() {
     LiveHomeOptions options;
+    options.work_places = work_places;
     options.log = [this](std::string_view line) {
+      if (on_log) on_log(line);
       const std::scoped_lock lock(log_mutex);
       logged.emplace_back(line);
     };
@@ -139,6 +146,10 @@ class LiveHomeTest : public ::testing::Test {
     EXPECT_EQ(home->jobs().state()->message, "learned");
     EXPECT_EQ(home->jobs().state()->values.at("rooms"), 2);
   }
+  // What needs one waits, as does making the map ready.
+  [[nodiscard]] WorkPlaces::Place take_the_place() {
+    return work_places->take(WorkPlaces::Urgency::kAnswersWait, SilentProgress()).value();
+  }
   [[nodiscard]] std::string bytes_of_home() const {
     std::string all;
     for (const char* suffix : {"", "-wal"}) {
@@ -157,6 +168,8 @@ class LiveHomeTest : public ::testing::Test {
   std::shared_ptr<WorkPlaces> work_places = std::make_shared<WorkPlaces>(1);
   std::mutex log_mutex;
   std::vector<std::string> logged;
+  std::function<void(std::string_view)> on_log;
+  std::shared_ptr<WorkPlaces> work_places = std::make_shared<WorkPlaces>(1);
   std::unique_ptr<LiveHome> home;  // last: it logs to its end
 };
 
@@ -534,6 +547,42 @@ TEST_F(LiveHomeTest, RecordingIsRefusedWhereItCouldNotBeMapped) {
   EXPECT_ERROR(home->begin_recording(7, "other"), "being recorded");
   EXPECT_ERROR(home->forget_home(), "being recorded");
   belt.session->on_closed();
+}
+
+// A device that is locked may wait for the list of devices: to tell helpers where it is.
+TEST_F(LiveHomeTest, ARecordingBeginsWhileItsDeviceIsLocked) {
+  open();
+  record_the_walk();
+  home.reset();
+  const auto place = take_the_place();
+  Client belt;
+  std::thread device;
+  std::promise<void> locked;
+  bool has_begun = false;
+  // Once the device has been found, making the map ready is stopped.
+  on_log = [&](std::string_view line) {
+    if (!line.starts_with("job prepare: stopped")) return;
+    device = std::thread([&] {
+      belt.wire->on_send = [&] {  // under the device's lock
+        locked.set_value();
+        const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+        while (!has_begun && std::chrono::steady_clock::now() < until) {
+          has_begun = std::filesystem::exists(folder / "flat.home.walks/second walk");
+        }
+      };
+      service::SettingsChange german;
+      german.language = "de";
+      belt.session->on_text(write(service::DeviceMessage(german)));
+    });
+    locked.get_future().wait();
+  };
+  open();
+  belt = connect(7, service::Role::kDevice);
+  EXPECT_OK(home->begin_recording(7, "second walk"));
+  device.join();
+  EXPECT_TRUE(has_begun);
+  belt.session->on_closed();
+  home.reset();
 }
 
 // What was recorded when the computer died is in its folder, and a device that comes back goes on.
