@@ -294,6 +294,9 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<JobEnd> map(const std::filesystem::path& folder,
                                      recording::FrameSource& walk, Progress& progress);
   [[nodiscard]] Expected<JobEnd> prepare(Progress& progress);
+  // What a job came to that was not stopped, once the map is ready again: what is mapped already
+  // answers all the same.
+  [[nodiscard]] Expected<JobEnd> with_map_ready(Expected<JobEnd> ended, Progress& progress);
   // Its two parts: what answers need, and what helpers look at.
   [[nodiscard]] Expected<std::shared_ptr<const LiveMap>> make_map_ready(Progress& progress);
   [[nodiscard]] Expected<JobEnd> fuse_clouds(const LiveMap& ready, Progress& progress);

@@ -60,8 +60,17 @@ Expected<void> LiveHome::start_work(const std::string& kind, Jobs::Body body,
   return jobs_->start(
       kind, [this, body = std::move(body), urgency](Progress& progress) -> Expected<JobEnd> {
         ROOMWISE_TRY(const auto place, options_.work_places->take(urgency, progress));
-        return body(progress);
+        return with_map_ready(body(progress), progress);
       });
+}
+
+Expected<JobEnd> LiveHome::with_map_ready(Expected<JobEnd> ended, Progress& progress) {
+  const bool is_stopped = !ended && ended.error().code == ErrorCode::kInterrupted;
+  const auto now = view();
+  if (is_stopped || now->walks.empty() || (now->map && now->map->clouds)) return ended;
+  auto prepared = prepare(progress);
+  const bool is_well = ended && !ended->has_failed;
+  return is_well && !prepared ? prepared : ended;
 }
 
 Expected<void> LiveHome::start_preparing() {
@@ -137,14 +146,7 @@ Expected<void> LiveHome::learn() {
     }
   }
   static_cast<void>(stop_preparing());  // it is gone on with afterwards
-  return start_work("learn", [this](Progress& progress) -> Expected<JobEnd> {
-    ROOMWISE_TRY(JobEnd learned, learn_now(progress));
-    if (learned.has_failed) return learned;
-    const auto now = view();
-    const bool is_ready = now->map && now->map->clouds;
-    if (!is_ready && !now->walks.empty()) ROOMWISE_CHECK_OK(prepare(progress));
-    return learned;
-  });
+  return start_work("learn", [this](Progress& progress) { return learn_now(progress); });
 }
 
 Expected<JobEnd> LiveHome::learn_now(Progress& progress) {
@@ -260,9 +262,6 @@ Expected<void> LiveHome::start_mapping_what_waits() {
       if (!walk) return mapped;
       mapped = map_folder(*walk, progress);
     }
-    // What is mapped already answers all the same.
-    const bool is_stopped = mapped.error().code == ErrorCode::kInterrupted;
-    if (!is_stopped && !view()->walks.empty()) ROOMWISE_CHECK_OK(prepare(progress));
     return mapped;
   });
 }
@@ -285,7 +284,7 @@ Expected<JobEnd> LiveHome::map_folder(const fs::path& folder, Progress& progress
 Expected<void> LiveHome::start_mapping(std::shared_ptr<const WalkRecorder> walk) {
   return jobs_->start("map", [this, walk](Progress& progress) -> Expected<JobEnd> {
     ROOMWISE_TRY(const auto frames, WalkFrames::open(walk, progress));
-    return map(walk->folder(), *frames, progress);
+    return with_map_ready(map(walk->folder(), *frames, progress), progress);
   });
 }
 

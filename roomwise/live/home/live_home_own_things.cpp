@@ -176,11 +176,6 @@ Expected<void> LiveHome::teach(const std::shared_ptr<Device>& device, const std:
           return job_failure("name_is_none",
                              "a thing's name will not do any more; give it another");
         }
-        const auto now = view();
-        const bool is_ready = now->map && now->map->clouds;
-        if (taught && !is_ready && !now->walks.empty()) {
-          if (auto prepared = prepare(progress); !prepared) return prepared;
-        }
         return taught.map([&](bool is_looked_for) {
           return is_looked_for ? JobEnd{"a thing is known now", "taught"}
                                : JobEnd{"a thing is known, and looked for once there is a walk",

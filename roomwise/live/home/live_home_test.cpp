@@ -127,6 +127,15 @@ class LiveHomeTest : public ::testing::Test {
     ASSERT_OK(home->begin_recording(7, "first walk"));
     record_the_rest(belt);
   }
+  // Pictures in which there is nothing.
+  void send_covered(const Client& belt) {
+    for (int i = 1; i <= 3; ++i) {
+      auto frame = pipeline::testing::SyntheticWalk(1).next().value().value();
+      frame.timestamp_ns = i * 100'000'000;
+      frame.color = image::ColorImage(frame.color.width(), frame.color.height());
+      belt.session->on_message(message_of(frame));
+    }
+  }
   // To the end of the walk, and until all of it is mapped.
   void record_the_rest(const Client& belt, const std::string& message = "mapped") {
     while (auto frame = walk.next().value()) belt.session->on_message(message_of(*frame));
@@ -639,6 +648,22 @@ TEST_F(LiveHomeTest, AWalkIsMappedWhileItIsRecorded) {
   EXPECT_EQ(mapped.state, "running");
   EXPECT_ERROR(home->learn(), "busy");
   record_the_rest(belt);
+}
+
+TEST_F(LiveHomeTest, AWalkThatCannotBeMappedLeavesTheMapThatIsThere) {
+  open();
+  record_the_walk();
+  const Client belt = connect(7, service::Role::kDevice);
+  ASSERT_OK(home->begin_recording(7, "covered"));
+  send_covered(belt);
+  ASSERT_OK(home->end_recording());
+  home->jobs().wait();
+  EXPECT_EQ(home->jobs().state()->state, "failed");
+  EXPECT_THAT(home->jobs().state()->text, HasSubstr("is the lens covered"));
+  EXPECT_THAT(home->view()->walks, SizeIs(1));
+  ASSERT_TRUE(home->view()->map);
+  EXPECT_TRUE(home->view()->map->clouds);
+  belt.session->on_closed();
 }
 
 // What was stopped is gone on with when the recording ends, or at the next start.
