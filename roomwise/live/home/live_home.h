@@ -274,6 +274,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // a word; what was looked at for it is kept.
   [[nodiscard]] bool stop_preparing();
   [[nodiscard]] Expected<void> go_on_preparing();
+  // Runs what begins other work; where it fails, the map is made ready as before.
+  [[nodiscard]] Expected<void> instead_of_preparing(const std::function<Expected<void>()>& start);
   // Runs `forget` while no job is at work; then the map of what is left is made ready.
   [[nodiscard]] Expected<void> while_idle(const std::function<Expected<void>()>& forget);
   [[nodiscard]] Expected<void> erase_walk(home::RecordingId walk);

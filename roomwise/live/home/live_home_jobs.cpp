@@ -100,6 +100,13 @@ Expected<void> LiveHome::go_on_preparing() {
   return start_preparing();
 }
 
+Expected<void> LiveHome::instead_of_preparing(const std::function<Expected<void>()>& start) {
+  const bool was_preparing = stop_preparing();
+  Expected<void> started = start();
+  if (!started && was_preparing) static_cast<void>(go_on_preparing());
+  return started;
+}
+
 Expected<JobEnd> LiveHome::prepare(Progress& progress) {
   ROOMWISE_TRY(const auto map, make_map_ready(progress));
   return fuse_clouds(*map, progress);
@@ -145,8 +152,9 @@ Expected<void> LiveHome::learn() {
           "this home holds no walk to learn from; take photos of its rooms, or record one first");
     }
   }
-  static_cast<void>(stop_preparing());  // it is gone on with afterwards
-  return start_work("learn", [this](Progress& progress) { return learn_now(progress); });
+  return instead_of_preparing([&] {
+    return start_work("learn", [this](Progress& progress) { return learn_now(progress); });
+  });
 }
 
 Expected<JobEnd> LiveHome::learn_now(Progress& progress) {
@@ -212,16 +220,16 @@ Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string&
     return camera.has_value();
   });
   if (found == connected.end()) return fail("device {} is not connected with a camera", device);
-  static_cast<void>(stop_preparing());  // it is gone on with afterwards
-  ROOMWISE_CHECK_OK(check_idle());
   std::shared_ptr<WalkRecorder> recorder;
-  {
+  ROOMWISE_CHECK_OK(instead_of_preparing([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(check_idle());
     const std::scoped_lock lock(devices_mutex_);
     if (recorder_) return fail("'{}' is being recorded; stop it first", recorder_->name());
     ROOMWISE_TRY(recorder, WalkRecorder::begin(walks_folder() / name, *camera, unix_now_ns()));
     recorder_ = recorder;
     recording_device_ = device;
-  }
+    return {};
+  }));
   (*found)->record_to(recorder);
   // Where that cannot be now, it is done at the end.
   static_cast<void>(start_mapping(recorder));
@@ -267,12 +275,11 @@ Expected<void> LiveHome::start_mapping_what_waits() {
 }
 
 Expected<void> LiveHome::go_on_mapping() {
-  static_cast<void>(stop_preparing());  // it is gone on with afterwards
-  ROOMWISE_CHECK_OK(check_idle());
-  ROOMWISE_TRY(const auto waiting, waiting_walk());
-  if (waiting) return start_mapping_what_waits();
-  ROOMWISE_CHECK_OK(go_on_preparing());
-  return fail("no walk waits to be mapped");
+  return instead_of_preparing([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(check_idle());
+    ROOMWISE_TRY(const auto waiting, waiting_walk());
+    return waiting ? start_mapping_what_waits() : fail("no walk waits to be mapped");
+  });
 }
 
 Expected<JobEnd> LiveHome::map_folder(const fs::path& folder, Progress& progress) {

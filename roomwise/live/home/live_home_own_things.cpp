@@ -161,28 +161,26 @@ Expected<void> LiveHome::teach(const std::shared_ptr<Device>& device, const std:
     ROOMWISE_CHECK_OK(pipeline::check_own_thing_name(reader_, name));
     ROOMWISE_CHECK_OK(reader_.check_new_name(name));
   }
-  static_cast<void>(stop_preparing());  // it is gone on with afterwards
   const home::OwnThing thing{.name = name,
                              .owner = owner_of(device->who()),
                              .is_shared = !is_private,
                              .taught_s = unix_now_ns() / kNanoseconds};
-  return start_work(
-      "teach",
-      [this, device, thing, shown = std::move(shown)](Progress& progress) -> Expected<JobEnd> {
-        auto taught = teach_now(thing, shown, progress);
-        device->was_taught(thing.name, taught);
-        // Helpers and the log are told of the job, and not what the thing is called.
-        if (!taught && taught.error().code == ErrorCode::kRefused) {
-          return job_failure("name_is_none",
-                             "a thing's name will not do any more; give it another");
-        }
-        return taught.map([&](bool is_looked_for) {
-          return is_looked_for ? JobEnd{"a thing is known now", "taught"}
-                               : JobEnd{"a thing is known, and looked for once there is a walk",
-                                        "taught_for_later"};
-        });
-      },
-      WorkPlaces::Urgency::kAnswersWait);
+  const auto learn_it = [this, device, thing,
+                         shown = std::move(shown)](Progress& progress) -> Expected<JobEnd> {
+    auto taught = teach_now(thing, shown, progress);
+    device->was_taught(thing.name, taught);
+    // Helpers and the log are told of the job, and not what the thing is called.
+    if (!taught && taught.error().code == ErrorCode::kRefused) {
+      return job_failure("name_is_none", "a thing's name will not do any more; give it another");
+    }
+    return taught.map([&](bool is_looked_for) {
+      return is_looked_for ? JobEnd{"a thing is known now", "taught"}
+                           : JobEnd{"a thing is known, and looked for once there is a walk",
+                                    "taught_for_later"};
+    });
+  };
+  return instead_of_preparing(
+      [&] { return start_work("teach", learn_it, WorkPlaces::Urgency::kAnswersWait); });
 }
 
 Expected<bool> LiveHome::teach_now(const home::OwnThing& thing,

@@ -650,6 +650,31 @@ TEST_F(LiveHomeTest, AWalkIsMappedWhileItIsRecorded) {
   record_the_rest(belt);
 }
 
+TEST_F(LiveHomeTest, WhatCannotBeDoneInsteadOfMakingTheMapReadyHasThatGoneOnWith) {
+  open();
+  record_the_walk();
+  home.reset();
+  {
+    const auto place = take_the_place();
+    open();
+    const auto expect_gone_on_with = [&] {
+      EXPECT_TRUE(home->jobs().running());
+      EXPECT_EQ(home->jobs().state()->kind, "prepare");
+    };
+    const Client belt = connect(7, service::Role::kDevice);
+    EXPECT_ERROR(home->begin_recording(7, "first walk"), "already");
+    expect_gone_on_with();
+    EXPECT_ERROR(home->go_on_mapping(), "no walk waits");
+    expect_gone_on_with();
+    belt.session->on_closed();
+    ASSERT_OK(home->learn());
+  }
+  home->jobs().wait();
+  EXPECT_EQ(home->jobs().state()->message, "no_room_named");
+  ASSERT_TRUE(home->view()->map);
+  EXPECT_TRUE(home->view()->map->clouds);
+}
+
 TEST_F(LiveHomeTest, AWalkThatCannotBeMappedLeavesTheMapThatIsThere) {
   open();
   record_the_walk();

@@ -113,9 +113,7 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
     return fail("'{}' is not whole: {} of {} bytes are there", upload.name, upload.offset,
                 upload.bytes);
   }
-  static_cast<void>(stop_preparing());  // it is gone on with afterwards
-  ROOMWISE_CHECK_OK(check_idle());
-  return start_work("map", [this, upload](Progress& progress) -> Expected<JobEnd> {
+  const auto map = [this, upload](Progress& progress) -> Expected<JobEnd> {
     ROOMWISE_TRY(const TakenIn taken, take_in(upload, progress));
     if (taken.refused) return *taken.refused;
     const fs::path& path = taken.path;
@@ -134,6 +132,10 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
       fs::remove_all(path, error);
     }
     return mapped;
+  };
+  return instead_of_preparing([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(check_idle());
+    return start_work("map", map);
   });
 }
 
