@@ -347,14 +347,16 @@ Expected<bool> LiveHome::has_recording_of(const fs::path& folder) {
   });
 }
 
-Expected<std::optional<fs::path>> LiveHome::waiting_walk() {
+Expected<std::optional<fs::path>> LiveHome::waiting_walk(const std::set<fs::path>& failed) {
   ROOMWISE_TRY(auto unfinished, unfinished_walk());
+  if (unfinished && failed.contains(*unfinished)) return std::nullopt;
   if (unfinished) return unfinished;
   std::error_code error;
   std::optional<fs::path> newest;
   for (const auto& entry : fs::directory_iterator(walks_folder(), error)) {
     const bool is_being_made = entry.path().filename().string().starts_with('.');
-    if (is_being_made || recording::find_recording_kind(entry.path()) == nullptr) continue;
+    if (is_being_made || failed.contains(entry.path())) continue;
+    if (recording::find_recording_kind(entry.path()) == nullptr) continue;
     ROOMWISE_TRY(const bool is_mapped, has_recording_of(entry.path()));
     if (is_mapped) continue;
     if (!newest || time_of_walk(*newest) < time_of_walk(entry.path())) newest = entry.path();

@@ -286,7 +286,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // What could be undone until now. With home_mutex_ held.
   [[nodiscard]] Expected<void> forget_removed();
   [[nodiscard]] Expected<void> start_mapping(const std::filesystem::path& folder);
-  // All that waits to be mapped, one walk after the other.
+  // All that waits to be mapped, one walk after the other; one that cannot be keeps back no other.
   [[nodiscard]] Expected<void> start_mapping_what_waits();
   [[nodiscard]] Expected<JobEnd> map_folder(const std::filesystem::path& folder,
                                             Progress& progress);
@@ -322,8 +322,10 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // this home.
   [[nodiscard]] Expected<std::optional<std::filesystem::path>> unfinished_walk();
   [[nodiscard]] Expected<bool> has_recording_of(const std::filesystem::path& folder);
-  // The unfinished one, else one that was recorded and is not in the home yet: the newest.
-  [[nodiscard]] Expected<std::optional<std::filesystem::path>> waiting_walk();
+  // The unfinished one, before which no other can be mapped, else one that was recorded and is not
+  // in the home yet: the newest. But for those in `failed`.
+  [[nodiscard]] Expected<std::optional<std::filesystem::path>> waiting_walk(
+      const std::set<std::filesystem::path>& failed = {});
 
   const std::filesystem::path file_;
   const pipeline::Networks& networks_;

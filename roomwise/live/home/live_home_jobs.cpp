@@ -264,13 +264,16 @@ Expected<void> LiveHome::start_mapping(const fs::path& folder) {
 
 Expected<void> LiveHome::start_mapping_what_waits() {
   return start_work("map", [this](Progress& progress) -> Expected<JobEnd> {
-    Expected<JobEnd> mapped = JobEnd{"nothing waited to be mapped", "nothing_waited"};
-    while (mapped) {
-      ROOMWISE_TRY(const auto walk, waiting_walk());
-      if (!walk) return mapped;
-      mapped = map_folder(*walk, progress);
+    Expected<JobEnd> ended = JobEnd{"nothing waited to be mapped", "nothing_waited"};
+    std::set<fs::path> failed;
+    for (;;) {
+      ROOMWISE_TRY(const auto walk, waiting_walk(failed));
+      if (!walk) return ended;
+      auto mapped = map_folder(*walk, progress);
+      if (!mapped && mapped.error().code == ErrorCode::kInterrupted) return mapped;
+      if (!mapped) failed.insert(*walk);
+      if (ended) ended = std::move(mapped);  // the first that failed is told of
     }
-    return mapped;
   });
 }
 

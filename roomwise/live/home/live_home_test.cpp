@@ -634,6 +634,32 @@ TEST_F(LiveHomeTest, AWalkThatWasRecordedAndNotMappedIsMappedAtTheNextStart) {
   EXPECT_THAT(home->view()->walks, SizeIs(1));
 }
 
+TEST_F(LiveHomeTest, AWalkThatCannotBeMappedKeepsBackNoOther) {
+  const auto walks = folder / "flat.home.walks";
+  std::filesystem::create_directory(walks);
+  const auto store = [&](const std::string& name, bool is_covered) {
+    auto writer = recording::TumWriter::create(walks / name, walk.info().camera).value();
+    pipeline::testing::SyntheticWalk frames(kFrames);
+    while (auto frame = frames.next().value()) {
+      if (is_covered) frame->color = image::ColorImage(frame->color.width(), frame->color.height());
+      ASSERT_OK(writer->write(*frame));
+    }
+    ASSERT_OK(writer->close());
+  };
+  store("older", false);
+  store("newer", true);
+  std::filesystem::last_write_time(
+      walks / "older/rgb.txt",
+      std::filesystem::last_write_time(walks / "newer/rgb.txt") - std::chrono::hours(1));
+  open();
+  home->jobs().wait();
+  EXPECT_EQ(home->jobs().state()->state, "failed");
+  EXPECT_THAT(home->jobs().state()->text, HasSubstr("newer: no frame has enough features"));
+  ASSERT_THAT(home->view()->walks, SizeIs(1));
+  EXPECT_EQ(home->view()->walks[0].stored.recording.name, "older");
+  EXPECT_TRUE(home->view()->map);
+}
+
 TEST_F(LiveHomeTest, AWalkIsMappedWhileItIsRecorded) {
   open();
   const Client page = connect(1, service::Role::kHelper);
