@@ -14,16 +14,16 @@ Expected<std::unique_ptr<WalkFrames>> WalkFrames::open(std::shared_ptr<const Wal
 }
 
 Expected<std::optional<image::RgbdFrame>> WalkFrames::next() {
-  if (!walk_->wait_for_frame(next_, interruption_)) {
-    if (interruption_.interrupted()) {
-      return fail_with(ErrorCode::kInterrupted, "stopped while the walk was recorded");
-    }
-    return std::optional<image::RgbdFrame>();
+  const bool is_there = walk_->wait_for_frame(next_, interruption_);
+  if (interruption_.interrupted()) {
+    return fail_with(ErrorCode::kInterrupted, "stopped while the walk was recorded");
   }
-  if (!stored_ || next_ >= stored_->colors().size()) {
+  if (!is_there) return std::optional<image::RgbdFrame>();
+  const std::uint64_t index = next_++;  // also where it cannot be read
+  if (!stored_ || index >= stored_->colors().size()) {
     ROOMWISE_TRY(stored_, recording::TumRecording::open(walk_->folder()));
   }
-  return stored_->frame(next_++);
+  return stored_->frame(index);
 }
 
 }  // namespace roomwise::live

@@ -13,7 +13,7 @@ namespace roomwise::live {
 // behind holds none in memory.
 class WalkFrames final : public recording::FrameSource {
  public:
-  // next() fails where it is interrupted while it waits. `interruption` must outlive it.
+  // next() fails where it is interrupted. `interruption` must outlive it.
   [[nodiscard]] static Expected<std::unique_ptr<WalkFrames>> open(
       std::shared_ptr<const WalkRecorder> walk, const Interruption& interruption);
 

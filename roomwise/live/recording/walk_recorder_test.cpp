@@ -7,6 +7,7 @@
 
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/live/recording/walk_frames.h"
 #include "roomwise/recording/tum_recording.h"
 
 namespace roomwise::live {
@@ -73,6 +74,32 @@ TEST_F(WalkRecorderFolder, WhatCannotBeReadIsNotStored) {
   EXPECT_ERROR(recorder->store(frame), "no depth image");
   EXPECT_EQ(recorder->frames(), 0U);
   EXPECT_FALSE(std::filesystem::exists(folder / "walk/odometry.txt"));
+}
+
+class StoppedAtWill final : public Interruption {
+ public:
+  [[nodiscard]] bool interrupted() const override { return stops; }
+  bool stops = false;
+};
+
+// Its list is damaged: each of its frames is told of once, and then it ends.
+TEST_F(WalkRecorderFolder, AWalkThatCannotBeReadComesToItsEndAndCanBeStopped) {
+  for (int i = 1; i <= 3; ++i) ASSERT_OK(recorder->store(phone_frame(i, {0, 0, 0})));
+  ASSERT_OK(recorder->close());
+  std::filesystem::resize_file(folder / "walk/depth.txt", 0);
+  StoppedAtWill interruption;
+  const auto frames = WalkFrames::open(recorder, interruption).value();
+  EXPECT_FALSE(frames->next());
+  EXPECT_FALSE(frames->next());
+  interruption.stops = true;
+  const auto stopped = frames->next();
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, ErrorCode::kInterrupted);
+  interruption.stops = false;
+  EXPECT_FALSE(frames->next());
+  const auto end = frames->next();
+  ASSERT_OK(end);
+  EXPECT_FALSE(*end);
 }
 
 // A file may grow no further, as on a full disk.
