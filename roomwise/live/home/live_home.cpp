@@ -203,11 +203,21 @@ void LiveHome::tell_of_recording(std::int64_t device, const service::RecordingSt
 
 std::shared_ptr<WalkRecorder> LiveHome::recorder_for(const Device& device) {
   const auto camera = device.camera();
-  const std::scoped_lock lock(devices_mutex_);
-  // Another camera's frames would make a wrong map.
-  const bool is_same = recorder_ && device.who().device == recording_device_ && camera &&
-                       camera->calibrated == recorder_->camera();
-  return is_same ? recorder_ : nullptr;
+  std::shared_ptr<WalkRecorder> recorder;
+  {
+    const std::scoped_lock lock(devices_mutex_);
+    // Another camera's frames would make a wrong map.
+    const bool is_same = recorder_ && device.who().device == recording_device_ && camera &&
+                         camera->calibrated == recorder_->camera();
+    if (!is_same) return nullptr;
+    recorder = recorder_;
+  }
+  // What is still on its way by an older connection is of another clock.
+  for (const auto& one : all_devices()) {
+    if (one.get() != &device && one->who().device == device.who().device) one->record_to(nullptr);
+  }
+  recorder->device_came_anew();
+  return recorder;
 }
 
 Expected<void> LiveHome::name_recorded_room(const Device& device, const std::string& room) {

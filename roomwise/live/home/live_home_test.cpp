@@ -600,9 +600,14 @@ TEST_F(LiveHomeTest, ADeviceThatComesBackGoesOnRecording) {
   Client belt = connect(7, service::Role::kDevice);
   ASSERT_OK(home->begin_recording(7, "walk"));
   for (int i = 0; i < 3; ++i) belt.session->on_message(message_of(**walk.next()));
-  belt.session->on_closed();
-  belt = connect(7, service::Role::kDevice);
-  for (int i = 0; i < 2; ++i) belt.session->on_message(message_of(**walk.next()));
+  const Client old = std::exchange(belt, connect(7, service::Role::kDevice));
+  old.session->on_message(message_of(**walk.next()));  // was still on its way
+  for (int i = 0; i < 2; ++i) {
+    auto frame = **walk.next();
+    frame.timestamp_ns = i * 1'000'000;  // its clock began anew
+    belt.session->on_message(message_of(frame));
+  }
+  old.session->on_closed();
   belt.session->on_closed();
   // The same device with another camera: its frames would make a wrong map.
   Client other{std::make_shared<WaitingWire>(), nullptr};

@@ -1,8 +1,9 @@
 #include "roomwise/live/recording/walk_recorder.h"
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 
+#include "roomwise/base/stopwatch.h"
 #include "roomwise/image/codec.h"
 
 namespace roomwise::live {
@@ -27,7 +28,13 @@ Expected<std::shared_ptr<WalkRecorder>> WalkRecorder::begin(const std::filesyste
 
 Expected<void> WalkRecorder::store(const CameraFrame& frame) {
   const std::scoped_lock lock(mutex_);
-  if (closed_ || (last_t_ms_ && frame.t_ms <= *last_t_ms_)) return {};
+  if (closed_) return {};
+  if (std::exchange(may_begin_anew_, false) && last_t_ms_ && frame.t_ms <= *last_t_ms_) {
+    const double between_ms = std::max(1.0, 1e3 * seconds_since(last_came_));
+    *first_t_ms_ += frame.t_ms - *last_t_ms_ - between_ms;
+    last_t_ms_.reset();
+  }
+  if (last_t_ms_ && frame.t_ms <= *last_t_ms_) return {};
   if (frame.depth.empty()) return fail("the frame has no depth image; a map needs one");
   image::RgbdFrame rgbd;
   rgbd.index = writer_->frames_written();
@@ -48,8 +55,14 @@ Expected<void> WalkRecorder::store(const CameraFrame& frame) {
   ROOMWISE_CHECK_OK(writer_->write(rgbd, covariance));
   if (!first_t_ms_) first_t_ms_ = frame.t_ms;
   last_t_ms_ = frame.t_ms;
+  last_came_ = std::chrono::steady_clock::now();
   grown_.notify_all();
   return {};
+}
+
+void WalkRecorder::device_came_anew() {
+  const std::scoped_lock lock(mutex_);
+  may_begin_anew_ = true;
 }
 
 Expected<void> WalkRecorder::name_room(const std::string& room) {

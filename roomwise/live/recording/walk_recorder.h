@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <filesystem>
 #include <memory>
@@ -29,6 +30,10 @@ class WalkRecorder {
   // pictures that cannot be read and on a full disk; the frame is then not stored, the ones before
   // it are.
   [[nodiscard]] Expected<void> store(const CameraFrame& frame);
+  // The device has a new connection, and its clock may have begun anew, as a page's does that is
+  // loaded again: where the next frame is not newer than the last, the time that passed between
+  // them here counts.
+  void device_came_anew();
   // What is stored from now on shows this room.
   [[nodiscard]] Expected<void> name_room(const std::string& room);
   [[nodiscard]] Expected<void> close();
@@ -55,7 +60,10 @@ class WalkRecorder {
   mutable std::condition_variable grown_;  // or closed
   std::unique_ptr<recording::TumWriter> writer_;
   TimestampNs begun_ns_ = 0;
+  // By the device's clock; first_t_ms_ is moved where that begins anew.
   std::optional<double> first_t_ms_, last_t_ms_;
+  std::chrono::steady_clock::time_point last_came_;
+  bool may_begin_anew_ = false;
   bool closed_ = false;
 };
 

@@ -66,6 +66,23 @@ TEST_F(WalkRecorderFolder, AFrameWithoutAPoseIsStoredWithout) {
   EXPECT_TRUE(frames[1].device_motion);
 }
 
+// As where a phone's page is loaded again.
+TEST_F(WalkRecorderFolder, ADeviceThatCameAnewMayBeginItsClockAnew) {
+  ASSERT_OK(recorder->store(phone_frame(5000, {0, 0, 0})));
+  ASSERT_OK(recorder->store(phone_frame(5100, {0, 0, 1})));
+  recorder->device_came_anew();
+  ASSERT_OK(recorder->store(phone_frame(10, {0, 0, 2})));
+  ASSERT_OK(recorder->store(phone_frame(10, {0, 0, 2})));  // not newer: left out
+  ASSERT_OK(recorder->store(phone_frame(210, {0, 0, 3})));
+  recorder->device_came_anew();
+  ASSERT_OK(recorder->store(phone_frame(910, {0, 0, 4})));  // its clock went on
+  const auto frames = stored();
+  ASSERT_EQ(frames.size(), 5U);
+  EXPECT_GT(frames[2].timestamp_ns, frames[1].timestamp_ns);
+  EXPECT_NEAR(static_cast<double>(frames[3].timestamp_ns - frames[2].timestamp_ns), 200e6, 1e3);
+  EXPECT_NEAR(static_cast<double>(frames[4].timestamp_ns - frames[3].timestamp_ns), 700e6, 1e3);
+}
+
 TEST_F(WalkRecorderFolder, WhatCannotBeReadIsNotStored) {
   CameraFrame frame = phone_frame(1, {0, 0, 0});
   frame.depth_size = service::ImageSize{17, 12};
