@@ -545,6 +545,7 @@ Expected<void> Device::teach(const CameraFrame& frame, Teaching& teaching) {
   {
     const std::scoped_lock lock(mutex_);
     if (teaching_.get() != &teaching) return {};  // stopped, or begun anew, meanwhile
+    if (reply.step == guide::TeachingStep::kStopped) teaching_.reset();
     wording = wording_of(settings_);
   }
   if (reply.step) say_step(*reply.step, {}, frame.t_ms, {});

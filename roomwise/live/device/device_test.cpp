@@ -285,6 +285,28 @@ TEST_F(DeviceTest, WhoBeginsToTeachAnewShowsAllOfTheThing) {
   EXPECT_THAT(host.taught, IsEmpty());
 }
 
+TEST_F(DeviceTest, TeachingThatIsLeftAloneEndsAndFramesAreLookedAtAgain) {
+  service::Hello with_camera = hello();
+  with_camera.camera = service::DeviceCamera{160, 120, {}, false};
+  say(with_camera);
+  ask(1, 100, service::Question::kTeachThing);
+  const auto told = [&](double t_ms) {
+    device->on_message(write(service::FrameMessage{t_ms, picture_of_thing(10), {}}));
+    wire->texts.clear();
+    device->work();
+    std::vector<std::string> messages;
+    for (const auto& prompt : wire->take<service::PromptMessage>()) {
+      messages.push_back(prompt.message);
+    }
+    return messages;
+  };
+  EXPECT_THAT(told(1000), ::testing::ElementsAre("teach.dark"));
+  EXPECT_THAT(told(61'001), ::testing::ElementsAre("teach.stopped"));
+  EXPECT_THAT(host.looked_well, IsEmpty());
+  EXPECT_THAT(told(61'100), IsEmpty());
+  EXPECT_THAT(host.looked_well, SizeIs(1));
+}
+
 TEST_F(DeviceTest, AFaultWhileAThingIsShownDoesNotEndTheLooking) {
   service::Hello with_camera = hello();
   with_camera.camera = service::DeviceCamera{160, 120, {}, false};

@@ -18,7 +18,8 @@ class Teaching {
   static constexpr std::size_t kEnough = 10;
 
   // What there is to say after a picture; nothing where it was said a short while ago, or where
-  // enough was shown before.
+  // enough was shown before. kStopped where no picture was taken for a minute, since
+  // hazards are not looked for meanwhile.
   struct Reply {
     std::optional<guide::TeachingStep> step;
     std::optional<objects::ShowFault> fault;
@@ -34,6 +35,7 @@ class Teaching {
   std::vector<objects::ShownThing> shown_;
   std::atomic<bool> has_enough_ = false;  // after the last of them was taken
   std::optional<double> last_fault_t_ms_;
+  std::optional<double> went_on_t_ms_;  // of the last that was taken, else of the first that came
 };
 
 }  // namespace roomwise::live

@@ -31,6 +31,17 @@ TEST(TeachingTest, TenPicturesAreEnoughAndHalfWayThereOneIsTold) {
   EXPECT_EQ(teaching.shown().size(), Teaching::kEnough);
 }
 
+TEST(TeachingTest, ItEndsAMinuteAfterTheLastPictureThatWasTaken) {
+  Teaching teaching;
+  const auto step = [&](double t_ms, std::uint8_t light) {
+    return teaching.take(shown(light), 1000, t_ms).step;
+  };
+  EXPECT_EQ(step(5000, 10), std::nullopt);
+  EXPECT_EQ(step(60'000, 200), std::nullopt);
+  EXPECT_EQ(step(120'000, 10), std::nullopt);
+  EXPECT_EQ(step(120'001, 10), guide::TeachingStep::kStopped);
+}
+
 TEST(TeachingTest, WhatToDoAboutBadPicturesIsSaidAtOnceAndNotWithEach) {
   Teaching teaching;
   const auto dark = [&](double t_ms) { return teaching.take(shown(10), 1000, t_ms).fault; };
