@@ -9,6 +9,7 @@
 #include "roomwise/base/stopwatch.h"
 #include "roomwise/guide/answers/watch_prompts.h"
 #include "roomwise/guide/questions/refusal_prompts.h"
+#include "roomwise/guide/words/notices.h"
 #include "roomwise/service/protocol/prompt_message.h"
 
 namespace roomwise::live {
@@ -263,13 +264,21 @@ void Device::hear(const Asked& asked) {
     return host_.answered(ask.question, seconds_since(asked.came));
   }
   service::Ask now = ask;
+  std::vector<guide::Prompt> again;
   std::optional<std::int64_t> pushed_out;
   bool waits = false;
   {
     const std::scoped_lock lock(mutex_);
     const bool to_guide = ask.question == service::Question::kGuide ||
                           (ask.question == service::Question::kRepeat && is_led());
-    if (ask.question == service::Question::kRepeat && !to_guide && last_ask_) {
+    const bool is_end =
+        ask.question == service::Question::kGuide && ask.wish == service::GuideWish::kEnd;
+    if (is_end && last_ask_ && asks_to_be_led(last_ask_->question)) last_ask_.reset();
+    const bool was_mark = last_ask_ && last_ask_->question == service::Question::kMarkSpot;
+    if (ask.question == service::Question::kRepeat && !to_guide && was_mark) {
+      // Who has walked on would mark another place.
+      again = guide::repeat_prompts(marked_, wording_of(settings_), std::llround(ask.t_ms * 1e6));
+    } else if (ask.question == service::Question::kRepeat && !to_guide && last_ask_) {
       // What was true then need not be now: the question is asked anew.
       now = *last_ask_;
       now.id = ask.id;
@@ -277,6 +286,7 @@ void Device::hear(const Asked& asked) {
     }
     if (now.question != service::Question::kRepeat && !to_guide) {
       last_ask_ = now;
+      if (now.question == service::Question::kMarkSpot) marked_.reset();
       // The frame in hand answers it, or whoever looks at frames does.
       waits = newest_ || looking_ || is_of_picture(now.question);
     }
@@ -285,6 +295,10 @@ void Device::hear(const Asked& asked) {
       waiting_.pop_front();
     }
     if (waits) waiting_.push_back({now, asked.came});
+  }
+  if (!again.empty()) {
+    say(again, ask.id, {});
+    return host_.answered(ask.question, seconds_since(asked.came));
   }
   if (pushed_out) refuse(Error{"too many questions at once"}, pushed_out);
   if (waits && is_of_picture(now.question)) host_.has_work(shared_from_this());
@@ -383,8 +397,16 @@ void Device::hear_of_spots(const service::Ask& ask) {
            changed.error().message);
 }
 
-void Device::mark_spot(const Asked& asked) {
-  const service::Ask& ask = asked.ask;
+void Device::mark_spot(const service::Ask& ask) {
+  const guide::Prompt prompt = mark(ask);
+  {
+    const std::scoped_lock lock(mutex_);
+    marked_ = guide::Said{{prompt}, std::llround(ask.t_ms * 1e6)};
+  }
+  say({prompt}, ask.id, {});
+}
+
+guide::Prompt Device::mark(const service::Ask& ask) {
   std::optional<Eigen::Vector3d> place;
   bool has_picture = false;
   {
@@ -396,21 +418,20 @@ void Device::mark_spot(const Asked& asked) {
   }
   const auto view = host_.view_for(who_);
   const guide::Wording wording = wording_now();
+  const auto step = [&](guide::SpotStep what, const std::string& because = {}) {
+    return guide::spot_prompt(what, ask.subject, wording, std::llround(ask.t_ms * 1e6), because);
+  };
   if (view->walks.empty() || !has_picture) {
-    return say({excuse_for(*view, has_picture, wording, ask.t_ms)}, ask.id, {});
+    return excuse_for(*view, has_picture, wording, ask.t_ms);
   }
-  if (!place) return say_spot(guide::SpotStep::kNotSure, ask.subject, ask, "no sure place");
-  if (means_something(ask.subject, *view, wording)) {
-    return say_spot(guide::SpotStep::kOtherName, ask.subject, ask);
-  }
-  if (view->marked.size() >= pipeline::kMaxSpots) {
-    return say_spot(guide::SpotStep::kTooMany, ask.subject, ask);
-  }
+  if (!place) return step(guide::SpotStep::kNotSure, "no sure place");
+  if (means_something(ask.subject, *view, wording)) return step(guide::SpotStep::kOtherName);
+  if (view->marked.size() >= pipeline::kMaxSpots) return step(guide::SpotStep::kTooMany);
   const auto marked = host_.mark_spot(who_, ask.subject, *place);
-  if (marked) return say_spot(guide::SpotStep::kMarked, ask.subject, ask);
+  if (marked) return step(guide::SpotStep::kMarked);
   const bool is_name = marked.error().code == ErrorCode::kRefused;
-  say_spot(is_name ? guide::SpotStep::kOtherName : guide::SpotStep::kBusy, ask.subject, ask,
-           marked.error().message);
+  return step(is_name ? guide::SpotStep::kOtherName : guide::SpotStep::kBusy,
+              marked.error().message);
 }
 
 // ---- what the picture tells by itself ----
@@ -564,7 +585,7 @@ void Device::hear_now(const Asked& asked) {
     return host_.answered(ask.question, seconds_since(asked.came));
   }
   if (ask.question == service::Question::kMarkSpot) {
-    mark_spot(asked);
+    mark_spot(ask);
     return host_.answered(ask.question, seconds_since(asked.came));
   }
   std::vector<guide::Prompt> prompts;

@@ -10,6 +10,7 @@
 
 #include "roomwise/guide/answers/spot_prompts.h"
 #include "roomwise/guide/questions/word_prompts.h"
+#include "roomwise/guide/words/prompt_queue.h"
 #include "roomwise/live/device/answers.h"
 #include "roomwise/live/device/frame_processor.h"
 #include "roomwise/live/device/led_walk.h"
@@ -148,7 +149,9 @@ class Device : public std::enable_shared_from_this<Device> {
   void hear_now(const Asked& asked);
   void hear_of_own_things(const service::Ask& ask);
   void hear_of_spots(const service::Ask& ask);
-  void mark_spot(const Asked& asked);
+  void mark_spot(const service::Ask& ask);
+  // What there is to say of it.
+  [[nodiscard]] guide::Prompt mark(const service::Ask& ask);
   void answer_by_picture(const service::Ask& ask);
   void say_spot(guide::SpotStep step, const std::string& name, const service::Ask& ask,
                 const std::string& because = {});
@@ -214,6 +217,7 @@ class Device : public std::enable_shared_from_this<Device> {
   std::uint64_t dropped_ = 0;
   std::deque<Asked> waiting_;  // for a frame that is being looked at
   std::optional<service::Ask> last_ask_;
+  std::optional<guide::Said> marked_;  // of the last place that was to be marked
   // "Did you mean ...?", while the next question may answer it: until then, by the device's clock.
   guide::Understood offered_;
   double offered_until_t_ms_ = 0;

@@ -543,6 +543,8 @@ TEST_F(DeviceTest, WhoIsLedTalksToTheGuide) {
   EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "route.no_place");
   say(service::Ask{4, 400, service::Question::kGuide, "", false, service::GuideWish::kEnd});
   EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "guide.ended");
+  ask(6, 450, service::Question::kRepeat);
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "repeat.nothing");
   ask(5, 500, service::Question::kTakeMeTo, "piano");
   EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "where.unknown");
 }
@@ -888,6 +890,21 @@ TEST_F(DeviceWithPlacesTest, WhoIsLedAndCloseToItIsToldWhereTheGoalIsWithEachPic
   told = look_at(image::ColorImage(picture().width(), picture().height()), t_ms);
   ASSERT_TRUE(told.seen && !told.seen->position);
   EXPECT_FALSE(told.bearing);
+}
+
+TEST_F(DeviceWithPlacesTest, RepeatSaysThatAPlaceWasMarkedAndMarksNoOther) {
+  host.home->walks.emplace_back();
+  (void)look_at(picture(), 1000);
+  const auto answer = [&](double t_ms, service::Question question, std::string subject = "") {
+    ask(1, t_ms, question, std::move(subject));
+    return wire->take<service::PromptMessage>().back().text;
+  };
+  const std::string marked = answer(1100, service::Question::kMarkSpot, "my chair");
+  EXPECT_EQ(marked, "My chair is marked here.");
+  (void)look_at(picture(), 2000);
+  EXPECT_EQ(answer(2100, service::Question::kRepeat), marked);
+  EXPECT_EQ(answer(20'000, service::Question::kRepeat), "Earlier: " + marked);
+  EXPECT_THAT(host.marked, ::testing::ElementsAre("my chair"));
 }
 
 TEST_F(DeviceWithPlacesTest, HelpersSeeWhereSomebodyIsOnlyWhereThatPersonSaysSo) {
