@@ -43,10 +43,12 @@ Expected<std::optional<rooms::RoomDecision>> FrameProcessor::decide(
     bool has_depth, const std::shared_ptr<const HomeView>& home) {
   if (!home->recognizer) return std::optional<rooms::RoomDecision>();
   const pipeline::RoomRecognizer& recognizer = *home->recognizer;
-  const double elapsed_s = (t_ms - last_t_ms_) / 1000;
+  double elapsed_s = last_t_ms_ ? (t_ms - *last_t_ms_) / 1000 : 0;
   if (stream_recognizer_ != home->recognizer || !(elapsed_s >= 0 && elapsed_s < kForgetAfter_s)) {
     stream_ = recognizer.stream();
     stream_recognizer_ = home->recognizer;
+    last_t_ms_.reset();
+    elapsed_s = 0;
   }
   ROOMWISE_TRY(const auto seen, recognizer.features().predict(color));
   ROOMWISE_TRY(const rooms::PictureEvidence evidence, recognizer.evidence(seen));

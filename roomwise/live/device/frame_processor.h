@@ -85,7 +85,7 @@ class FrameProcessor {
   // Belongs to the recognizer with which it was made.
   std::optional<rooms::RoomStream> stream_;
   std::shared_ptr<const pipeline::RoomRecognizer> stream_recognizer_;
-  double last_t_ms_ = 0;
+  std::optional<double> last_t_ms_;  // of the last picture that it was shown
   // Of a calibrated camera, on the map of that localiser.
   mapping::PlaceTrack track_;
   std::shared_ptr<const pipeline::HomeLocalizer> track_localizer_;

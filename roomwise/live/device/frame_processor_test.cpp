@@ -169,6 +169,34 @@ TEST_F(EyeWithPlaces, ThePlaceDecidesWhereThePictureLeavesRoomsOpen) {
   }
 }
 
+// A device's clock began with the device. Of the hall, which lies between the others, more would be
+// believed after a while.
+TEST_F(EyeWithPlaces, BeforeTheFirstPictureEveryRoomIsAlikeWhateverTheClockSays) {
+  std::filesystem::copy_file(*folder_ / "a.home", *folder_ / "b.home");
+  home::Home home = home::Home::open(*folder_ / "b.home").value();
+  std::vector<recording::RoomRange> ranges;
+  const std::array<std::string, 4> names{"hall", "kitchen", "hall", "bath"};
+  for (std::uint64_t first = 0; first < kFrames; first += 2) {
+    ranges.push_back({first, first + 1, names.at(first / 2 % 4), static_cast<int>(first / 2) + 1});
+  }
+  ASSERT_OK(pipeline::name_rooms(home, 1, *recording::RoomLabels::from_ranges(ranges)));
+  ThreadPool pool(2);
+  SilentProgress progress;
+  StageClock clock;
+  pipeline::RunContext run{pool, progress, clock};
+  ASSERT_OK(pipeline::learn_rooms_from_keyframes(home, {}, {}, {}, run));
+  const auto view = view_home(home, networks_, nullptr);
+  ASSERT_OK(view);
+  ASSERT_TRUE((*view)->recognizer) << (*view)->why_no_recognizer;
+  const auto believed_of_hall = [&](double t_ms) {
+    CameraFrame picture = message(seen(21));
+    picture.t_ms = t_ms;
+    const auto result = eye().look(picture, *view).value();
+    return std::ranges::find(result.decision->rooms, "hall", &rooms::RoomScore::room)->score;
+  };
+  EXPECT_NEAR(believed_of_hall(0), believed_of_hall(50'000), 1e-9);
+}
+
 // Something new stands before the camera, and then hides what the map knows of.
 TEST_F(EyeWithPlaces, APictureThatAloneHasNoPlaceIsFollowedFromTheOneBefore) {
   image::RgbdFrame first = seen(21);
