@@ -548,7 +548,7 @@ void Device::was_taught(const std::string& name, const Expected<bool>& taught) {
   double t_ms = 0;
   {
     const std::scoped_lock lock(mutex_);
-    t_ms = last_heard_t_ms_;
+    t_ms = now_t_ms();  // its last frame may have come long ago
   }
   const guide::TeachingStep step = !taught   ? guide::TeachingStep::kFailed
                                    : *taught ? guide::TeachingStep::kTaught

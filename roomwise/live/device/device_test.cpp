@@ -367,6 +367,20 @@ TEST_F(DeviceTest, IsToldStepByStepHowAThingIsTaught) {
   EXPECT_THAT(told(), ::testing::ElementsAre("teach.taught"));
 }
 
+TEST_F(DeviceTest, ThatAThingIsKnownHoldsFromNowOnThoughNothingWasHeardForLong) {
+  say(hello());
+  const auto valid_until_t_ms = [&] {
+    device->was_taught("my mug", true);
+    return wire->take<service::PromptMessage>().at(0).valid_until_t_ms;
+  };
+  ask(1, 100, service::Question::kWhichRooms);
+  wire->texts.clear();
+  const double first = valid_until_t_ms();
+  const auto before = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - before < std::chrono::milliseconds(2)) continue;
+  EXPECT_GE(valid_until_t_ms(), first + 1);
+}
+
 TEST_F(DeviceTest, WhatItTaughtIsForgottenByAWordAndNothingElse) {
   guide::KnownThing mug;
   mug.name = "my mug";
