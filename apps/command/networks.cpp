@@ -243,13 +243,6 @@ Expected<std::unique_ptr<network::OpenVocabulary>> load_open_vocabulary() {
       own ? own->string() : "a folder of networks (ROOMWISE_MODELS)");
 }
 
-Expected<std::shared_ptr<const network::OpenVocabulary>> installed_open_vocabulary() {
-  ROOMWISE_TRY(const auto files, usable_word_networks());
-  if (files.empty()) return std::shared_ptr<const network::OpenVocabulary>();
-  ROOMWISE_TRY(auto networks, network::OpenVocabulary::load(files.front()));
-  return std::shared_ptr<const network::OpenVocabulary>(std::move(networks));
-}
-
 std::vector<fs::path> installed_networks() {
   std::vector<fs::path> folders = network_folders();
   if (const auto brought = brought_network_folder()) folders.push_back(*brought);

@@ -81,8 +81,6 @@ void add_network_options(CLI::App& command, NetworkOptions& options);
 [[nodiscard]] Expected<std::vector<std::filesystem::path>> usable_word_networks();
 // The first. Fails where there is none, saying what to put where.
 [[nodiscard]] Expected<std::unique_ptr<network::OpenVocabulary>> load_open_vocabulary();
-// The same, or null where none is here.
-[[nodiscard]] Expected<std::shared_ptr<const network::OpenVocabulary>> installed_open_vocabulary();
 
 // All files of networks of the folders, that of Roomwise last; of two files of one name the first.
 [[nodiscard]] std::vector<std::filesystem::path> installed_networks();

@@ -41,7 +41,6 @@ class HomeServer {
     home.clock = seconds_since_1970;
     home.log = [&log = all.log_](std::string_view line) { log.write(line); };
     ROOMWISE_TRY(home.open, open_options(context));
-    ROOMWISE_TRY(home.words, installed_open_vocabulary());
     ROOMWISE_TRY(all.home_, live::LiveHome::open(options.home, all.networks_, all.finders_, home));
     const fs::path access = service::access_folder(options.home);
     all.access_folder_ = access;

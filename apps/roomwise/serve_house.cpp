@@ -108,9 +108,7 @@ class HouseServer {
     ROOMWISE_TRY(all.metrics_token_, metrics_token(all.own_folder_));
     ROOMWISE_TRY(all.accounts_, open_accounts(options.home, options.accounts));
     ROOMWISE_TRY(all.finders_, load_object_finders());
-    live::HouseOptions house = all.house_options();
-    ROOMWISE_TRY(house.home.words, installed_open_vocabulary());
-    ROOMWISE_TRY(all.house_, live::House::open(options.home, all.finders_, std::move(house)));
+    ROOMWISE_TRY(all.house_, live::House::open(options.home, all.finders_, all.house_options()));
     ROOMWISE_TRY(all.server_, service::Server::open(all.server_options(), *all.house_));
     all.server_->serve();  // now that the routes, which ask it, find it
     return serving;

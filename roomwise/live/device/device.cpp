@@ -328,14 +328,8 @@ void Device::understand(const Asked& asked) {
     heard = rooms.empty() ? guide::which_door(std::move(heard), behind_doors)
                           : guide::which_room(std::move(heard), std::move(rooms));
   }
-  const TimestampNs now_ns = std::llround(in_words.t_ms * 1e6);
-  auto prompts = guide::refusal_prompts(heard, names, wording, now_ns);
-  if (const auto word = guide::word_to_look_for(heard, wording.phrases())) {
-    const std::string& thing = heard.names.front().name;
-    if (host_.look_for_word(shared_from_this(), *word, thing)) {
-      prompts = guide::looking_prompts(thing, wording, now_ns);
-    }
-  }
+  const auto prompts =
+      guide::refusal_prompts(heard, names, wording, std::llround(in_words.t_ms * 1e6));
   {
     const std::scoped_lock lock(mutex_);
     offered_ = heard;
@@ -343,24 +337,6 @@ void Device::understand(const Asked& asked) {
   }
   say(prompts, in_words.id, {});
   host_.answered(in_words.question, seconds_since(asked.came));
-}
-
-void Device::was_looked_for(const std::string& thing,
-                            const Expected<std::optional<guide::SeenWord>>& seen) {
-  guide::Wording wording;
-  TimestampNs now_ns = 0;
-  {
-    const std::scoped_lock lock(mutex_);
-    wording = wording_of(settings_);
-    now_ns = std::llround(now_t_ms() * 1e6);
-  }
-  if (!seen) {
-    return say(
-        {guide::make_prompt(wording, "word", "device.failed", {}, guide::Confidence::kUnsure,
-                            guide::after(now_ns, guide::kNoticeValid_s), seen.error().message)},
-        {}, {});
-  }
-  say(guide::word_prompts(thing, *seen, calendar_time(unix_now_ns()), wording, now_ns), {}, {});
 }
 
 // ---- places that are marked ----

@@ -9,7 +9,6 @@
 #include <string>
 
 #include "roomwise/guide/answers/spot_prompts.h"
-#include "roomwise/guide/questions/word_prompts.h"
 #include "roomwise/guide/words/prompt_queue.h"
 #include "roomwise/live/device/answers.h"
 #include "roomwise/live/device/frame_processor.h"
@@ -71,12 +70,6 @@ class DeviceHost {
   [[nodiscard]] virtual Expected<void> change_spot(const service::Identity& who,
                                                    const std::string& name,
                                                    const std::optional<std::string>& new_name) = 0;
-  // Looks in the home's pictures for a word, in English, which takes a while; says what came of it
-  // by Device::was_looked_for(), of the thing as it was called. Fails at once where nothing at hand
-  // can, or the computer is busy.
-  [[nodiscard]] virtual Expected<void> look_for_word(const std::shared_ptr<Device>& device,
-                                                     const std::string& word,
-                                                     const std::string& thing) = 0;
   // The people in a picture of this device's; fails where nothing at hand knows people.
   [[nodiscard]] virtual Expected<std::vector<guide::SeenPerson>> people_in(
       const FrameImages& images, const std::optional<geometry::PinholeCamera>& camera) const = 0;
@@ -118,9 +111,6 @@ class Device : public std::enable_shared_from_this<Device> {
   void send(const service::HomeMessage& message);
   // Whether what it taught is looked for, or why it is not known.
   void was_taught(const std::string& name, const Expected<bool>& taught);
-  // What came of a word that its person asked for; fails where the pictures could not be looked at.
-  void was_looked_for(const std::string& thing,
-                      const Expected<std::optional<guide::SeenWord>>& seen);
   // To a helper who begins to watch: what its person lets helpers see, who is told first.
   void show_walk_to(Device& helper);
   // The device came by another connection, whose answer counts.

@@ -102,13 +102,6 @@ class Host final : public DeviceHost {
     if (name == "my chair") return {};
     return fail_with(ErrorCode::kRefused, "not marked by this device");
   }
-  [[nodiscard]] Expected<void> look_for_word(const std::shared_ptr<Device>&,
-                                             const std::string& word,
-                                             const std::string& thing) override {
-    if (!sees_words) return fail("no networks");
-    looked_for.emplace_back(word, thing);
-    return {};
-  }
   void sets_out(const service::Identity&, const Eigen::Vector3d&) override {}
   [[nodiscard]] std::vector<service::Identity> watchers(const service::Identity&) const override {
     return watching;
@@ -132,8 +125,6 @@ class Host final : public DeviceHost {
   std::vector<std::int64_t> began;  // to watch
   std::vector<service::DeviceSeen> shown_less;
 
-  bool sees_words = false;
-  std::vector<std::pair<std::string, std::string>> looked_for;
   std::vector<std::string> marked;
   std::vector<std::pair<std::string, std::size_t>> taught;
   std::shared_ptr<WalkRecorder> recorder;
@@ -416,34 +407,6 @@ TEST_F(DeviceTest, OfThingsInSeveralRoomsItAsksWhichOneIsMeant) {
   EXPECT_THAT(answer(3, "where is the chair in the hall").text, HasSubstr("in the hall"));
   host.home->things.back().room = "hall";
   EXPECT_NE(answer(4, "take me to the chair").message, "ask.which_room") << "they stand together";
-}
-
-TEST_F(DeviceTest, AWordThatNoLabelHasIsLookedForInPicturesWhereNetworksCan) {
-  const auto told = [&] {
-    std::vector<std::string> texts;
-    for (const auto& prompt : wire->take<service::PromptMessage>()) texts.push_back(prompt.text);
-    return texts;
-  };
-  say(hello());
-  wire->texts.clear();
-  ask(1, 100, service::Question::kInWords, "where is the accordion");
-  EXPECT_THAT(told(), ::testing::ElementsAre("I know no accordion here.",
-                                             "You can ask: where am I, what is around me."));
-  host.sees_words = true;
-  ask(2, 200, service::Question::kInWords, "where is the accordion");
-  EXPECT_THAT(told(), ::testing::ElementsAre("I know no accordion here.",
-                                             "I look for it in the pictures."));
-  EXPECT_THAT(host.looked_for, ::testing::ElementsAre(
-                                   std::pair<std::string, std::string>("accordion", "accordion")));
-  ask(3, 300, service::Question::kWhereAmI);
-  EXPECT_THAT(told(), SizeIs(1)) << "answered meanwhile";
-  device->was_looked_for("accordion", guide::SeenWord{"hall", std::nullopt});
-  EXPECT_THAT(told(), ::testing::ElementsAre("Perhaps I saw the accordion in the hall.",
-                                             "By pictures alone; I am not sure."));
-  device->was_looked_for("accordion", std::optional<guide::SeenWord>());
-  EXPECT_THAT(told(), ::testing::ElementsAre("I found no accordion in the pictures."));
-  device->was_looked_for("accordion", fail("stopped"));
-  EXPECT_THAT(told(), ::testing::ElementsAre("That did not work. Please try again."));
 }
 
 TEST_F(DeviceTest, OfDoorsOfARoomItAsksWhichOneIsMeant) {

@@ -19,7 +19,6 @@
 #include "roomwise/live/recording/room_photos.h"
 #include "roomwise/live/recording/uploads.h"
 #include "roomwise/live/view/home_view.h"
-#include "roomwise/network/vision/open_vocabulary.h"
 #include "roomwise/objects/proposals/object_finders.h"
 #include "roomwise/pipeline/edits/edit_things.h"
 #include "roomwise/pipeline/rooms/room_coverage.h"
@@ -58,8 +57,6 @@ struct LiveHomeOptions {
   home::OpenOptions open = {};  // the passphrase of a protected home
   // What is removed and could be undone is erased when the home is opened, and when it is closed.
   bool erases_removed = true;
-  // Look for words in pictures; null: none are at hand.
-  std::shared_ptr<const network::OpenVocabulary> words = nullptr;
   // For long work, shared by all homes of a process.
   std::shared_ptr<WorkPlaces> work_places = std::make_shared<WorkPlaces>(1);
   // Seconds since 1970.
@@ -203,11 +200,6 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
                                          const Eigen::Vector3d& place_gravity) override;
   [[nodiscard]] Expected<void> change_spot(const service::Identity& who, const std::string& name,
                                            const std::optional<std::string>& new_name) override;
-  [[nodiscard]] Expected<void> look_for_word(const std::shared_ptr<Device>& device,
-                                             const std::string& word,
-                                             const std::string& thing) override;
-  [[nodiscard]] Expected<std::optional<guide::SeenWord>> look_for_word_now(const std::string& word,
-                                                                           Progress& progress);
   [[nodiscard]] Expected<std::vector<guide::SeenPerson>> people_in(
       const FrameImages& images,
       const std::optional<geometry::PinholeCamera>& camera) const override {
@@ -270,8 +262,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // Makes the view anew. With home_mutex_ held.
   [[nodiscard]] Expected<void> refresh(std::shared_ptr<const LiveMap> map);
   [[nodiscard]] Expected<void> start_preparing();
-  // Whether the map was being made ready. It can wait; whoever stops it has it gone on with. So can
-  // a word; what was looked at for it is kept.
+  // Whether the map was being made ready. It can wait; whoever stops it has it gone on with.
   [[nodiscard]] bool stop_preparing();
   [[nodiscard]] Expected<void> go_on_preparing();
   // Runs what begins other work; where it fails, the map is made ready as before.

@@ -89,9 +89,9 @@ Expected<void> LiveHome::start_preparing() {
 }
 
 bool LiveHome::stop_preparing() {
-  const bool was_preparing = jobs_->stop("prepare");
-  if (was_preparing || jobs_->stop("look")) jobs_->wait();
-  return was_preparing;
+  if (!jobs_->stop("prepare")) return false;
+  jobs_->wait();
+  return true;
 }
 
 Expected<void> LiveHome::go_on_preparing() {

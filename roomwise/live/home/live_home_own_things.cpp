@@ -1,7 +1,6 @@
 #include <algorithm>
 
 #include "roomwise/live/home/live_home.h"
-#include "roomwise/pipeline/objects/find_word.h"
 
 // Things that people teach a home that is open.
 namespace roomwise::live {
@@ -234,55 +233,6 @@ Expected<void> LiveHome::change_own_thing(const service::Identity& who, const st
     ROOMWISE_CHECK_OK(look_for_own_things(progress).map([](bool) {}));
     return JobEnd{"what is left is looked for as before", "looked_for"};
   });
-}
-
-// ---- words that no label has ----
-
-Expected<void> LiveHome::look_for_word(const std::shared_ptr<Device>& device,
-                                       const std::string& word, const std::string& thing) {
-  if (!options_.words) return fail("no networks that compare pictures with words are here");
-  if (view()->keyframes.empty()) return fail("there are no pictures of a walk");
-  {
-    const std::scoped_lock lock(reader_mutex_);
-    // Nothing is kept of it, so all pictures would be looked at for each word.
-    if (reader_.is_protected()) return fail("the home is protected");
-  }
-  return jobs_->start("look", [this, device, word, thing](Progress& progress) -> Expected<JobEnd> {
-    // Who waits for a place and is stopped is told, too.
-    const auto seen = [&]() -> Expected<std::optional<guide::SeenWord>> {
-      ROOMWISE_TRY(const auto place,
-                   options_.work_places->take(WorkPlaces::Urgency::kAnswersWait, progress));
-      return look_for_word_now(word, progress);
-    }();
-    device->was_looked_for(thing, seen);
-    // Helpers and the log are told of the job, and not what was asked for.
-    return seen.map([](const auto&) { return JobEnd{"pictures were looked at", "looked_at"}; });
-  });
-}
-
-// Others may change the home meanwhile: it is locked only while what was seen is kept.
-Expected<std::optional<guide::SeenWord>> LiveHome::look_for_word_now(const std::string& word,
-                                                                     Progress& progress) {
-  const network::OpenVocabulary& networks = *options_.words;
-  ROOMWISE_TRY(const network::Embedding asked, networks.embed(word));
-  ROOMWISE_TRY(const home::Home reader, home::Home::open_read_only(file_, options_.open));
-  pipeline::OwnRunContext run(options_.threads, progress);
-  // What cannot be kept is looked at again.
-  const auto keep = [&](const pipeline::WordPlaces& so_far) {
-    const std::scoped_lock lock(home_mutex_);
-    static_cast<void>(pipeline::keep_word_places(home_, networks, so_far));
-  };
-  ROOMWISE_TRY(const auto places, pipeline::word_places(reader, networks, run, keep));
-  const pipeline::FoundWord found = pipeline::find_word(places, asked);
-  const auto now = view();
-  const auto picture = std::ranges::find(now->keyframes, found.place.keyframe,
-                                         [](const ViewedKeyframe& one) { return one.keyframe.id; });
-  const bool is_shown = picture != now->keyframes.end() &&
-                        !now->walks_taken_away().contains(picture->keyframe.recording);
-  if (!found.is_found || !is_shown) return std::optional<guide::SeenWord>();
-  guide::SeenWord seen{{}, calendar_time(picture->keyframe.timestamp_ns)};
-  if (!picture->room.empty()) seen.room = picture->room;
-  return std::optional(std::move(seen));
 }
 
 }  // namespace roomwise::live

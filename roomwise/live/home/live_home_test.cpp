@@ -12,7 +12,6 @@
 #include "roomwise/guide/answers/spot_prompts.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/live/routes/home_routes.h"
-#include "roomwise/network/testing/word_networks.h"
 #include "roomwise/pipeline/edits/walk_edits.h"
 #include "roomwise/pipeline/testing/synthetic_walk.h"
 #include "roomwise/recording/tum_writer.h"
@@ -94,8 +93,6 @@ class LiveHomeTest : public ::testing::Test {
       const std::scoped_lock lock(log_mutex);
       logged.emplace_back(line);
     };
-    options.words = word_networks;
-    options.work_places = work_places;
     auto opened = LiveHome::open(file, networks, finders, options);
     ASSERT_OK(opened);
     home = *std::move(opened);
@@ -173,8 +170,6 @@ class LiveHomeTest : public ::testing::Test {
   pipeline::testing::SyntheticWalk walk{kFrames};
   pipeline::Networks networks;
   objects::ObjectFinders finders;
-  std::shared_ptr<const network::OpenVocabulary> word_networks;
-  std::shared_ptr<WorkPlaces> work_places = std::make_shared<WorkPlaces>(1);
   std::mutex log_mutex;
   std::vector<std::string> logged;
   std::function<void(std::string_view)> on_log;
@@ -1224,46 +1219,6 @@ TEST_F(LiveHomeTest, AThingIsTaughtToldToItsOwnerAloneSharedAndForgotten) {
   EXPECT_EQ(ask(anna, service::Question::kInWords, "forget my mug").message, "own.forgotten");
   EXPECT_EQ(where(anna), "where.unknown");
   EXPECT_THAT(bytes_of_home(), Not(HasSubstr("my mug")));
-}
-
-TEST_F(LiveHomeTest, AWordThatNoLabelHasIsLookedForInThePictures) {
-  const std::filesystem::path pair = folder / "pair";
-  ASSERT_TRUE(std::filesystem::create_directory(pair));
-  ASSERT_OK(network::testing::write_word_networks(pair));
-  word_networks = network::OpenVocabulary::load(pair / "words.onnx").value();
-  open();
-  record_the_walk();
-  const Client belt = connect(7, service::Role::kDevice);
-  std::int64_t id = 0;
-  const auto ask = [&](service::Question question, std::string subject = "") {
-    belt.session->on_text(
-        write(service::DeviceMessage(service::Ask{++id, 60'000, question, std::move(subject)})));
-    return belt.wire->next<service::PromptMessage>(
-        [&](const auto& prompt) { return prompt.answer_to == id; });
-  };
-  const auto told_later = [&] {
-    return belt.wire->next<service::PromptMessage>(
-        [](const auto& prompt) { return !prompt.answer_to && prompt.key == "word"; });
-  };
-  {
-    SilentProgress silent;
-    const auto held = work_places->take(WorkPlaces::Urgency::kAnswersWait, silent);
-    ASSERT_OK(held);
-    EXPECT_EQ(ask(service::Question::kInWords, "where is the accordion").message, "where.unknown");
-    EXPECT_EQ(ask(service::Question::kWhichRooms).message, "rooms.count") << "answered meanwhile";
-    // Other work does not wait for it.
-    ASSERT_OK(home->name_rooms(1, {{0, kFrames - 1, "kitchen", 1}}));
-    ASSERT_OK(home->learn());
-    EXPECT_EQ(told_later().message, "device.failed");
-  }
-  home->jobs().wait();
-  EXPECT_EQ(ask(service::Question::kInWords, "where is the accordion").message, "where.unknown");
-  EXPECT_THAT(told_later().message, ::testing::AnyOf("word.maybe", "word.none"));
-  home->jobs().wait();
-  EXPECT_EQ(home->jobs().state()->text, "pictures were looked at") << "not for what";
-  belt.session->on_closed();
-  home.reset();
-  EXPECT_TRUE(home::Home::open_read_only(file)->derived_data("word_places").value().has_value());
 }
 
 TEST_F(LiveHomeTest, APlaceIsMarkedLedToToldToItsOwnerAloneAndForgotten) {

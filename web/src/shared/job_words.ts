@@ -16,9 +16,6 @@ export function wordsOfEnd(job: Job): string {
   if (job.message === 'stopped') {
     return job.kind === 'map' ? text('job.end.goes_on') : '';
   }
-  if (job.message === 'looked_at') {
-    return ''; // for what is nobody's business
-  }
   const values = Object.fromEntries(Object.entries(job.values).map(([name, value]) => [name, formatNumber(value)]));
   if (job.message === 'few_pictures') {
     return counted('job.end.few_pictures', job.values.pictures ?? 0, values);

@@ -83,7 +83,7 @@ export interface RecordingState {
   text: string;
 }
 
-export type JobKind = 'prepare' | 'map' | 'learn' | 'teach' | 'look';
+export type JobKind = 'prepare' | 'map' | 'learn' | 'teach';
 export type JobState = 'running' | 'done' | 'failed' | 'stopped';
 
 export interface Job {
