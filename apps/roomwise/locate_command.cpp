@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <opencv2/core/utility.hpp>
@@ -55,6 +56,9 @@ Expected<std::vector<pipeline::PictureToLocate>> read_frames(
   }
   std::vector<pipeline::PictureToLocate> pictures;
   for (const std::uint64_t index : options.frames) {
+    const auto& damaged = recording->damaged();
+    const auto lost = std::ranges::find(damaged, index, &recording::DamagedFrame::index);
+    if (lost != damaged.end()) return fail("{}", lost->why);
     ROOMWISE_TRY(auto frame, recording->frame(index));
     if (!frame) return fail("{}: has no frame {} with depth", path.string(), index);
     pictures.push_back(

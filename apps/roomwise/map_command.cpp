@@ -143,10 +143,9 @@ std::string focal_length_text(const pipeline::MapSummary& summary,
   const auto& fit = summary.focal_length;
   if (!fit || !fit->contradicts()) return "";
   return fmt::format(
-      "camera      the pictures fit a focal length of about {:.0f} px ({:.0f} to {:.0f}) better "
-      "than "
-      "the {:.0f} px that the recording names; see --camera\n",
-      fit->ratio * camera.fx, fit->low() * camera.fx, fit->high() * camera.fx, camera.fx);
+      "camera      its focal length is said to be {:.0f} px, and the pictures fit about {:.0f} px "
+      "better ({:.0f} to {:.0f}): is it this camera's?\n",
+      camera.fx, fit->ratio * camera.fx, fit->low() * camera.fx, fit->high() * camera.fx);
 }
 
 Json focal_length_json(const pipeline::MapSummary& summary, const geometry::PinholeCamera& camera) {

@@ -379,10 +379,14 @@ Expected<Answer> find_word(const FindWordOptions& options, Context& context) {
   ROOMWISE_TRY(const network::Embedding word, networks->embed(options.word));
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
-  // While another program writes the home nothing is kept, and is looked at again.
+  bool was_said = false;
   const auto keep = [&](const pipeline::WordPlaces& so_far) {
-    auto writer = open_home(options.home, context);
-    if (writer) static_cast<void>(pipeline::keep_word_places(*writer, *networks, so_far));
+    const auto kept = open_home(options.home, context).and_then([&](home::Home writer) {
+      return pipeline::keep_word_places(writer, *networks, so_far);
+    });
+    if (kept || was_said) return;
+    was_said = true;
+    context.progress.note("what was seen is not kept for later words: " + kept.error().message);
   };
   ROOMWISE_TRY(const auto looked_at,
                pipeline::word_places(home, *networks, run,

@@ -32,11 +32,16 @@ Expected<FinderId> Home::add_region_finder(const RegionFinderRecord& finder) {
   ROOMWISE_TRY(const auto stored, region_finders());
   for (const auto& [id, other] : stored) {
     if (other.fingerprint != finder.fingerprint) continue;
-    if (other == finder) return id;
-    return fail(
-        "{}: knows the finder {} by another name or other labels (as {}); give it as it was when "
-        "the home was made",
-        file(), finder.name, other.name);
+    if (other.labels != finder.labels) {
+      return fail(
+          "{}: knows the finder {} by other labels; give it as it was when the home was made",
+          file(), finder.name);
+    }
+    if (other.name != finder.name) {
+      ROOMWISE_CHECK_OK(database_.run("UPDATE region_finders SET name = ? WHERE fingerprint = ?",
+                                      finder.name, finder.fingerprint));
+    }
+    return id;
   }
   ROOMWISE_TRY(const std::string labels, labels_to_json("finder " + finder.name, finder.labels));
   return database_.insert("region_finders (name, fingerprint, labels)", finder.name,

@@ -42,6 +42,8 @@ TEST_F(HomeInstances, AFinderIsKnownByItsFingerprint) {
   EXPECT_EQ(home_.add_region_finder({"finder", "f1nd", {"couch", "bed"}}).value(), 1);
   EXPECT_EQ(home_.add_region_finder({"other", "0ther", {"couch"}}).value(), 2);
   EXPECT_ERROR(home_.add_region_finder({"finder", "f1nd", {"couch"}}), "other labels");
+  EXPECT_EQ(home_.add_region_finder({"new name", "f1nd", {"couch", "bed"}}).value(), 1);
+  EXPECT_EQ(home_.region_finders()->at(1).name, "new name");
   EXPECT_EQ(home_.region_finders()->at(2).labels, std::vector<std::string>{"couch"});
 }
 

@@ -39,8 +39,9 @@ void ReadAheadSource::count_what_is_left() {
 Expected<std::optional<image::RgbdFrame>> ReadAheadSource::next() {
   read_ahead();
   if (ahead_.empty()) return std::optional<image::RgbdFrame>();
-  Frame frame = ahead_.front().frame.get();
-  ahead_.pop_front();
+  Ahead first = std::move(ahead_.front());
+  ahead_.pop_front();  // also where it throws
+  Frame frame = first.frame.get();
   count_what_is_left();
   read_ahead();  // while the caller works
   return frame;

@@ -265,7 +265,7 @@ FoundName NameIndex::find_door(const DoorPattern& pattern,
       entries_, [&](const Entry& entry) { return entry.is_of_home && entry.noun.name == door; });
   const auto door_of = [&](Nouns rooms, bool is_one_room) {
     return FoundName{has_doors ? NameMatch::kKnown : NameMatch::kAbsent, thing(door),
-                     has_doors ? std::move(rooms) : Nouns{}, is_one_room};
+                     has_doors ? std::move(rooms) : Nouns{}, has_doors && is_one_room};
   };
   if (!pattern.has_two_rooms) {
     FoundName room = find(said, Slot::kRoom);

@@ -121,6 +121,9 @@ Understood meaning_of(Reading reading, const Spellings& spellings) {
   Understood meaning{.type = reading.pattern->type,
                      .names = std::move(reading.name.nouns),
                      .rooms = std::move(reading.name.rooms)};
+  if (meaning.type == QuestionType::kCannotTell) {
+    return {.outcome = Outcome::kCannotTell, .type = meaning.type, .names = {}};
+  }
   if (reading.name.is_one_room) {
     meaning.outcome = Outcome::kWhichRoom;
     return meaning;
@@ -129,9 +132,6 @@ Understood meaning_of(Reading reading, const Spellings& spellings) {
     meaning.outcome = Outcome::kQuestion;
     meaning.names = {noun_said(reading.said, spellings)};
     return meaning;
-  }
-  if (meaning.type == QuestionType::kCannotTell) {
-    return {.outcome = Outcome::kCannotTell, .type = meaning.type, .names = {}};
   }
   switch (reading.name.match) {
     case NameMatch::kKnown:

@@ -666,7 +666,7 @@ bool Device::work() {
     answer_waiting(false);
     return false;
   }
-  if (const auto shown = teaching()) {
+  if (const auto shown = teaching(); shown && !shown->has_enough()) {
     // Nobody walks meanwhile, and the thing hides the room.
     const auto taught = without_faults([&] { return teach(*frame, *shown); });
     {

@@ -7,9 +7,9 @@ Teaching::Reply Teaching::take(const FrameImages& images, double depth_units_per
   // So long a fault is being spoken and mended.
   constexpr double kBetweenFaults_ms = 3000;
   constexpr double kStopsAfter_ms = 60'000;
+  if (has_enough()) return {};
   if (!went_on_t_ms_) went_on_t_ms_ = t_ms;
   if (t_ms - *went_on_t_ms_ > kStopsAfter_ms) return {guide::TeachingStep::kStopped, std::nullopt};
-  if (has_enough()) return {};
   std::optional<objects::ShownDepth> depth;
   if (images.depth) depth.emplace(objects::ShownDepth{*images.depth, depth_units_per_metre});
   auto found = objects::find_shown(images.color, depth);

@@ -46,7 +46,6 @@ bool is_seen(const motion::MotionOutcome& outcome) {
   return outcome.found() && !outcome.rests_on_prior;
 }
 
-// Whether enough of the picture has depth for later ones to be aligned with it.
 }  // namespace
 
 bool Mapper::is_keyframe(const Frame& frame) const {

@@ -200,10 +200,12 @@ Expected<WordPlaces> word_places(const home::Home& home, const network::OpenVoca
   if (home.is_locked()) return Unexpected(home.locked_error());
   const std::vector<home::Keyframe> keyframes = spread_evenly(all, kWordPictures);
   WordPlaces places;
+  const std::string from = made_from(keyframes, networks);
   ROOMWISE_TRY(const auto kept, home.derived_data(kWordPlacesData));
-  if (kept && kept->made_from == made_from(keyframes, networks)) {
+  if (kept && kept->made_from == from) {
     if (auto known = from_bytes(kept->data, keyframes, networks.size())) places = *std::move(known);
   }
+  places.made_from = from;
   const std::size_t known = places.places.size();
   const auto looked = embed_rest(home, keyframes, networks, run, keep, places);
   const bool is_new = places.places.size() > known;
@@ -216,12 +218,8 @@ Expected<void> keep_word_places(home::Home& home, const network::OpenVocabulary&
                                 const WordPlaces& so_far) {
   if (home.is_protected()) return {};
   ROOMWISE_TRY(const auto all, home.keyframes());
-  const std::vector<home::Keyframe> keyframes = spread_evenly(all, kWordPictures);
-  const auto has = [&](const WordPlace& place) {
-    return std::ranges::count(keyframes, place.keyframe, &home::Keyframe::id) > 0;
-  };
-  if (!std::ranges::all_of(so_far.places, has)) return {};
-  return home.put_derived_data({kWordPlacesData, made_from(keyframes, networks), to_bytes(so_far)});
+  if (so_far.made_from != made_from(spread_evenly(all, kWordPictures), networks)) return {};
+  return home.put_derived_data({kWordPlacesData, so_far.made_from, to_bytes(so_far)});
 }
 
 FoundWord find_word(const WordPlaces& places, const network::Embedding& asked) {

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct WordPlace {
 
 // What the pictures of a home show, and what hardly any home has, as networks see it.
 struct WordPlaces {
+  std::string made_from;  // which key-frames and networks, as derived data tells it
   std::vector<WordPlace> places;
   std::vector<network::Embedding> embeddings;  // by places
   std::vector<network::Embedding> absent;      // by absent_things()
