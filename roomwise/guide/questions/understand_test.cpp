@@ -359,10 +359,13 @@ TEST(UnderstandTest, ADoorIsNamedByItsRoomsInEveryLanguage) {
     }
   }
   EXPECT_EQ(english("take me to the door of the moon"), "not understood");
+  EXPECT_EQ(english("is the bedroom door open"), "cannot tell") << "whichever bedroom is meant";
+  EXPECT_EQ(told(hear("à la porte qui mène aux toilettes", "fr")), "take_me_to door in toilet");
   HomeNames home = some_home();
   home.goals.clear();
-  EXPECT_EQ(told(understand("take me to the kitchen door", catalogue().in("en"), home)),
-            "unknown: take_me_to door");
+  for (const char* text : {"take me to the kitchen door", "take me to the bedroom door"}) {
+    EXPECT_EQ(told(understand(text, catalogue().in("en"), home)), "unknown: take_me_to door");
+  }
 }
 
 TEST(UnderstandTest, OfDoorsOfARoomTheOtherRoomAnswersWhichOne) {
