@@ -298,6 +298,23 @@ TEST_F(DeviceTest, TeachingThatIsLeftAloneEndsAndFramesAreLookedAtAgain) {
   EXPECT_THAT(host.looked_well, SizeIs(1));
 }
 
+TEST_F(DeviceTest, WhoSearchesForANameHasTheirWayLookedAtMeanwhile) {
+  service::Hello with_camera = hello();
+  with_camera.camera = service::DeviceCamera{160, 120, {}, false};
+  say(with_camera);
+  ask(1, 100, service::Question::kTeachThing);
+  const auto show_thing = [&](double t_ms) {
+    device->on_message(write(service::FrameMessage{t_ms, picture_of_thing(200), {}}));
+    device->work();
+  };
+  for (int i = 1; i <= 10; ++i) show_thing(1000.0 * i);
+  EXPECT_THAT(host.looked_well, IsEmpty());
+  show_thing(200'000);
+  EXPECT_THAT(host.looked_well, SizeIs(1));
+  ask(2, 200'100, service::Question::kNameThing, "my mug");
+  EXPECT_THAT(host.taught, SizeIs(1)) << "what was shown is kept";
+}
+
 TEST_F(DeviceTest, AFaultWhileAThingIsShownDoesNotEndTheLooking) {
   service::Hello with_camera = hello();
   with_camera.camera = service::DeviceCamera{160, 120, {}, false};
