@@ -37,7 +37,7 @@ Expected<std::vector<evaluation::ReportContent::Recognition>> read_evaluation(
       };
       const auto& named = values.at("named");
       result.top1_correct = {values.at("correct"), values.at("n")};
-      result.best_interval = interval_of(values);
+      result.top1_interval = interval_of(values);
       result.named_correct = {named.at("right"), named.at("of")};
       result.named_interval = interval_of(named);
       result.resampled = json.at("resampled");

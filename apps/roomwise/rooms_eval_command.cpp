@@ -137,7 +137,7 @@ RecognitionReportContent::Rule row_of(const RuleResult& result, const Pictures& 
   row.named_correct = precision.total();
   row.precision_interval = precision.resampled_interval();
   row.top1_correct = best.total();
-  row.best_interval = best.resampled_interval();
+  row.top1_interval = best.resampled_interval();
   row.ms = result.median_ms;
   row.confusion = confusion_of(result, all.pictures);
   row.curve = curve_of(result, all.pictures);
@@ -183,7 +183,7 @@ Json to_json(const RecognitionReportContent::Rule& row, const RuleResult& result
                {"n", row.decisions},
                {"correct", row.top1_correct.successes},
                {"precision", row.top1_correct.value()},
-               {"interval", {row.best_interval.low, row.best_interval.high}},
+               {"interval", {row.top1_interval.low, row.top1_interval.high}},
                {"named", to_json(row.named_correct, row.precision_interval)},
                {"ms", row.ms}};
   if (!result.reasons.empty()) json["how"] = result.reasons;
@@ -202,8 +202,8 @@ Json to_json(const RecognitionReportContent::Rule& row, const RuleResult& result
 std::string to_text(const RecognitionReportContent::Rule& row) {
   return fmt::format(
       "{:44} {:5} {:7.3f} ({:.3f} to {:.3f}) {:7.3f} {:7.3f} ({:.3f} to {:.3f}) {:8.1f}\n",
-      row.name, row.decisions, row.top1_correct.value(), row.best_interval.low,
-      row.best_interval.high,
+      row.name, row.decisions, row.top1_correct.value(), row.top1_interval.low,
+      row.top1_interval.high,
       row.decisions == 0
           ? 0
           : static_cast<double>(row.named_correct.n) / static_cast<double>(row.decisions),

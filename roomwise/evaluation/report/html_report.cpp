@@ -97,7 +97,7 @@ std::string recognition_section(const std::vector<ReportContent::Recognition>& r
     rows.push_back({entry.rule, std::to_string(entry.top1_correct.n),
                     percent_of({entry.named_correct.n, entry.top1_correct.n}),
                     percent_of(entry.named_correct), in_words(entry.named_interval),
-                    percent_of(entry.top1_correct), in_words(entry.best_interval),
+                    percent_of(entry.top1_correct), in_words(entry.top1_interval),
                     fmt::format("{:.1f} ms", entry.ms)});
     confusions += confusion_table(entry.rule, entry.confusion);
   }

@@ -38,7 +38,7 @@ struct ReportContent {
   struct Recognition {
     std::string rule;          // "one frame", "two frames"
     Proportion top1_correct;   // of all answers: the most probable room, said or not
-    Interval best_interval;    // 95 %
+    Interval top1_interval;    // 95 %
     Proportion named_correct;  // of the answers that named a room
     Interval named_interval;   // 95 %
     std::string resampled;     // what the intervals resample: "visits"

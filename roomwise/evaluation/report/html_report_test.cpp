@@ -40,7 +40,7 @@ ReportContent full_content(const std::string& text) {
   ReportContent::Recognition recognition;
   recognition.rule = text;
   recognition.top1_correct = {990, 1000};
-  recognition.best_interval = {0.95, 1};
+  recognition.top1_interval = {0.95, 1};
   recognition.named_correct = {795, 800};
   recognition.named_interval = {0.9, 1};
   recognition.resampled = "visits";

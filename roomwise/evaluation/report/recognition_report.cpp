@@ -28,7 +28,7 @@ std::string rules_table(const Content& content) {
     rows.push_back({rule.name, std::to_string(rule.decisions),
                     percent_of({rule.named_correct.n, rule.decisions}),
                     with_interval(rule.named_correct, rule.precision_interval),
-                    with_interval(rule.top1_correct, rule.best_interval),
+                    with_interval(rule.top1_correct, rule.top1_interval),
                     fmt::format("{:.1f} ms", rule.ms)});
   }
   return report_table(

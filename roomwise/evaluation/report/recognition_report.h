@@ -19,7 +19,7 @@ struct RecognitionReportContent {
     Proportion named_correct;     // of the rooms that were named
     Interval precision_interval;  // 95 %
     Proportion top1_correct;      // of all: the most probable room, named or not
-    Interval best_interval;       // 95 %
+    Interval top1_interval;       // 95 %
     double ms = 0;                // a decision
     ConfusionMatrix confusion;    // answers may be "not sure" and "none of them"
     std::vector<CoveragePoint> curve;

@@ -19,7 +19,7 @@ RecognitionReportContent content() {
   rule.named_correct = {7, 8};
   rule.precision_interval = {0.5, 1};
   rule.top1_correct = {8, 10};
-  rule.best_interval = {0.6, 0.95};
+  rule.top1_interval = {0.6, 0.95};
   rule.ms = 12.34;
   rule.confusion.add("kitchen", "kitchen", 7);
   rule.confusion.add("kitchen", "hall", 1);

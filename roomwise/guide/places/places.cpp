@@ -77,10 +77,10 @@ std::vector<std::string> way_between_rooms(const std::string& from, const std::s
   }
   // From the goal, so that each room knows the next one on the way there.
   std::map<std::string, std::string> next{{to, to}};
-  for (std::deque<std::string> edge{to}; !edge.empty(); edge.pop_front()) {
-    const std::string here = edge.front();
+  for (std::deque<std::string> frontier{to}; !frontier.empty(); frontier.pop_front()) {
+    const std::string here = frontier.front();
     for (const std::string& neighbor : neighbors[here]) {
-      if (next.emplace(neighbor, here).second) edge.push_back(neighbor);
+      if (next.emplace(neighbor, here).second) frontier.push_back(neighbor);
     }
   }
   if (!next.contains(from)) return {};

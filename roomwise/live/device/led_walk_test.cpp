@@ -115,12 +115,12 @@ TEST_F(LedWalkTest, WhatWasInTheWayBarsItForWhoAsksNextAndIsForgotten) {
   (void)led->begin(at(first));
   (void)walk(*led, 6, 0);
   const auto way_beside_m = [&](const LedWalk& one) {
-    double most_m = 0;
+    double farthest_m = 0;
     const FrameResult here = picture_at({0, 0}, t_ms);
     for (const auto& place : one.plan_from(at(here)).route) {
-      most_m = std::max(most_m, std::abs(place.y()));
+      farthest_m = std::max(farthest_m, std::abs(place.y()));
     }
-    return most_m;
+    return farthest_m;
   };
   EXPECT_LT(way_beside_m(*led), 0.2);
   t_ms += kTick_ms;

@@ -22,11 +22,11 @@ Expected<TimedFiles> timed_files(const fs::path& folder, std::string_view ending
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    const std::size_t line = name.rfind('_');
-    if (!name.ends_with(ending) || line == std::string::npos) continue;
-    if (line + 1 + ending.size() > name.size()) continue;
+    const std::size_t underscore = name.rfind('_');
+    if (!name.ends_with(ending) || underscore == std::string::npos) continue;
+    if (underscore + 1 + ending.size() > name.size()) continue;
     const auto time =
-        parse_timestamp(name.substr(line + 1, name.size() - line - 1 - ending.size()));
+        parse_timestamp(name.substr(underscore + 1, name.size() - underscore - 1 - ending.size()));
     if (time) files.emplace(*time, entry->path());
   }
   if (error) return fail("{}: cannot be read: {}", folder.string(), error.message());

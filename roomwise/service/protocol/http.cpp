@@ -51,7 +51,7 @@ HttpAnswer refusal_answer(const Refusal& refusal) {
   return answer;
 }
 
-HttpAnswer answer_to_a_mistake() {
+HttpAnswer internal_error_answer() {
   return error_answer(500, "the computer made a mistake with this request; it goes on");
 }
 

@@ -46,7 +46,7 @@ struct HttpAnswer {
 [[nodiscard]] HttpAnswer error_answer(int status, std::string_view what);
 [[nodiscard]] HttpAnswer refusal_answer(const Refusal& refusal);
 // To a request that a fault of the program's own broke off.
-[[nodiscard]] HttpAnswer answer_to_a_mistake();
+[[nodiscard]] HttpAnswer internal_error_answer();
 
 // The body as a JSON object, or why it is none.
 [[nodiscard]] Expected<nlohmann::json> json_of(const HttpRequest& request);

@@ -336,7 +336,7 @@ class HttpConnection final : public Connection,
       --core.waiting_requests;
       asio::post(core.io, [self = std::move(self), made = std::move(made), go_on] {
         self->expires_after(self->core_.options.limits.request_s);
-        if (!made) return self->answer_at_once(answer_to_a_mistake());
+        if (!made) return self->answer_at_once(internal_error_answer());
         go_on(std::move(*made));
       });
     });

@@ -99,7 +99,7 @@ HttpAnswer Router::answer(const HttpRequest& request) const {
   } catch (const std::exception& fault) {
     // What went wrong may name files or other people's things: it is not for whoever asks.
     log_(fmt::format("{} {} went wrong: {}", request.method, match.route->pattern, fault.what()));
-    return answer_to_a_mistake();
+    return internal_error_answer();
   }
 }
 
