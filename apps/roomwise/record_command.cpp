@@ -151,8 +151,9 @@ Expected<void> copy_frames(recording::FrameSource& source, recording::TumWriter&
   return {};
 }
 
-// A copy of a recording keeps its ground truth, which of 7-Scenes are its poses. Those of other
-// kinds are what a device or a program thought.
+// A copy of a recording keeps what `eval trajectory --truth` takes of the recording itself: its
+// ground truth, else poses that were reconstructed from its pictures afterwards. The device's own
+// motion is kept with the frames.
 Expected<void> copy_ground_truth(const recording::FrameSource& source,
                                  const RecordOptions& options) {
   if (is_live_camera(options.source)) return {};
@@ -164,7 +165,7 @@ Expected<void> copy_ground_truth(const recording::FrameSource& source,
     return {};
   }
   const auto& copied = dynamic_cast<const recording::Recording&>(source);
-  if (copied.kind() != "7-Scenes" || copied.device_poses().empty()) return {};
+  if (copied.has_device_motion() || copied.device_poses().empty()) return {};
   return recording::write_trajectory(options.output / "groundtruth.txt", copied.device_poses());
 }
 

@@ -259,16 +259,30 @@ Bytes picture_of_thing(std::uint8_t light) {
   return image::encode_png(picture);
 }
 
-// What the thing before it was shown by does not count.
-TEST_F(DeviceTest, WhoBeginsToTeachAnewShowsAllOfTheThing) {
-  service::Hello with_camera = hello();
-  with_camera.camera = service::DeviceCamera{160, 120, {}, false};
-  say(with_camera);
-  ask(1, 100, service::Question::kTeachThing);
-  for (int i = 1; i <= 10; ++i) {
-    device->on_message(write(service::FrameMessage{1000.0 * i, picture_of_thing(200), {}}));
-    device->work();
+// Begins to teach a thing to a device with a camera.
+class DeviceTeaching : public DeviceTest {
+ protected:
+  DeviceTeaching() {
+    service::Hello with_camera = hello();
+    with_camera.camera = service::DeviceCamera{160, 120, {}, false};
+    say(with_camera);
+    ask(1, 100, service::Question::kTeachThing);
   }
+  void show_thing(double t_ms, std::uint8_t light = 200) {
+    device->on_message(write(service::FrameMessage{t_ms, picture_of_thing(light), {}}));
+  }
+  // One a second.
+  void show_things(int count) {
+    for (int i = 1; i <= count; ++i) {
+      show_thing(1000.0 * i);
+      device->work();
+    }
+  }
+};
+
+// What the thing before it was shown by does not count.
+TEST_F(DeviceTeaching, WhoBeginsAnewShowsAllOfTheThing) {
+  show_things(10);
   ask(2, 11'000, service::Question::kTeachThing);
   wire->texts.clear();
   ask(3, 12'000, service::Question::kNameThing, "my mug");
@@ -276,13 +290,9 @@ TEST_F(DeviceTest, WhoBeginsToTeachAnewShowsAllOfTheThing) {
   EXPECT_THAT(host.taught, IsEmpty());
 }
 
-TEST_F(DeviceTest, TeachingThatIsLeftAloneEndsAndFramesAreLookedAtAgain) {
-  service::Hello with_camera = hello();
-  with_camera.camera = service::DeviceCamera{160, 120, {}, false};
-  say(with_camera);
-  ask(1, 100, service::Question::kTeachThing);
+TEST_F(DeviceTeaching, EndsWhereItIsLeftAloneAndFramesAreLookedAtAgain) {
   const auto told = [&](double t_ms) {
-    device->on_message(write(service::FrameMessage{t_ms, picture_of_thing(10), {}}));
+    show_thing(t_ms, 10);
     wire->texts.clear();
     device->work();
     std::vector<std::string> messages;
@@ -298,35 +308,18 @@ TEST_F(DeviceTest, TeachingThatIsLeftAloneEndsAndFramesAreLookedAtAgain) {
   EXPECT_THAT(host.looked_well, SizeIs(1));
 }
 
-TEST_F(DeviceTest, WhoSearchesForANameHasTheirWayLookedAtMeanwhile) {
-  service::Hello with_camera = hello();
-  with_camera.camera = service::DeviceCamera{160, 120, {}, false};
-  say(with_camera);
-  ask(1, 100, service::Question::kTeachThing);
-  const auto show_thing = [&](double t_ms) {
-    device->on_message(write(service::FrameMessage{t_ms, picture_of_thing(200), {}}));
-    device->work();
-  };
-  for (int i = 1; i <= 10; ++i) show_thing(1000.0 * i);
+TEST_F(DeviceTeaching, WhoSearchesForANameHasTheirWayLookedAtMeanwhile) {
+  show_things(10);
   EXPECT_THAT(host.looked_well, IsEmpty());
   show_thing(200'000);
+  device->work();
   EXPECT_THAT(host.looked_well, SizeIs(1));
   ask(2, 200'100, service::Question::kNameThing, "my mug");
   EXPECT_THAT(host.taught, SizeIs(1)) << "what was shown is kept";
 }
 
-TEST_F(DeviceTest, AFaultWhileAThingIsShownDoesNotEndTheLooking) {
-  service::Hello with_camera = hello();
-  with_camera.camera = service::DeviceCamera{160, 120, {}, false};
-  say(with_camera);
-  ask(1, 100, service::Question::kTeachThing);
-  const auto show_thing = [&](double t_ms) {
-    device->on_message(write(service::FrameMessage{t_ms, picture_of_thing(200), {}}));
-  };
-  for (int i = 1; i <= 4; ++i) {
-    show_thing(1000.0 * i);
-    device->work();
-  }
+TEST_F(DeviceTeaching, AFaultWhileAThingIsShownDoesNotEndTheLooking) {
+  show_things(4);
   show_thing(5000);
   wire->texts.clear();
   wire->is_broken = true;  // where it is told to go on
