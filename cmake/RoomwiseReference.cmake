@@ -21,7 +21,7 @@ add_custom_target(reference DEPENDS ${ROOMWISE_REFERENCE_PAGES}/index.html)
 
 # Into a folder of the test's own, so that it can run while something is built.
 if(ROOMWISE_BUILD_TESTS)
-  find_package(Python 3.9 COMPONENTS Interpreter)
+  find_package(Python 3.9 REQUIRED COMPONENTS Interpreter)
   add_test(NAME docs_reference
     COMMAND ${Python_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/check_reference.py ${DOXYGEN_EXECUTABLE}
       ${PROJECT_BINARY_DIR}/reference.doxyfile ${PROJECT_SOURCE_DIR}/examples)
