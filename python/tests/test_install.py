@@ -1,11 +1,15 @@
-"""What cmake --install puts somewhere can be imported from there."""
+"""Which interpreter the package is built for, and that what cmake --install puts somewhere can be imported."""
 
 import os
+import pathlib
 import subprocess
 import sys
 import unittest
 
 import made_up
+
+ROOT = pathlib.Path(__file__).parents[2]
+DEBIANS = pathlib.Path("/usr/bin/python3")
 
 
 class Installed(unittest.TestCase):
@@ -26,6 +30,20 @@ class Installed(unittest.TestCase):
         environment = {**os.environ, "PYTHONPATH": str(package.parent)}
         said = subprocess.run([sys.executable, "-c", code], env=environment, check=True, capture_output=True, text=True)
         self.assertEqual(said.stdout.split(), [str(package / "__init__.py"), "True"])
+
+    @unittest.skipUnless("ROOMWISE_BUILD" in os.environ and DEBIANS.exists(), "run it by ctest, on Debian")
+    def test_a_first_build_is_for_debians_interpreter_though_another_comes_first(self):
+        scratch = made_up.scratch_folder()
+        other = scratch / "other"  # without NumPy
+        subprocess.run([DEBIANS, "-m", "venv", "--without-pip", other], check=True)
+        path = f"{other / 'bin'}{os.pathsep}{os.environ['PATH']}"
+        build = scratch / "build"
+        command = [os.environ["ROOMWISE_CMAKE"], "--preset", "release", "-B", build]
+        configured = subprocess.run(
+            command, cwd=ROOT, env={**os.environ, "PATH": path}, capture_output=True, text=True
+        )
+        self.assertEqual(configured.returncode, 0, configured.stderr)
+        self.assertIn(f"Python_EXECUTABLE:FILEPATH={DEBIANS}\n", (build / "CMakeCache.txt").read_text())
 
 
 if __name__ == "__main__":
