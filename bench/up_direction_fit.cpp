@@ -85,7 +85,7 @@ Expected<std::vector<View>> views_of(const std::filesystem::path& folder,
     if (!frame) return views;
     if (i % kEvery != 0) continue;
     auto found = true_view(truth, frame->timestamp_ns);
-    if (!found) return Unexpected(std::move(found).error().in(folder.string()));
+    if (!found) return Unexpected(std::move(found).error().with_context(folder.string()));
     std::optional<View> view = *std::move(found);
     if (!view) continue;
     const motion::RgbdPyramid small = motion::make_rgbd_pyramid(

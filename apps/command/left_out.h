@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "command.h"
-#include "roomwise/image/personal_facts.h"
+#include "roomwise/image/personal_data.h"
 
 namespace roomwise::app {
 
 // "where it was recorded (GPS), the device's name": what a recording says besides and is nobody's
 // business. Empty where there is none.
-inline std::string left_out_text(const image::PersonalFacts& facts) {
+inline std::string left_out_text(const image::PersonalData& facts) {
   std::vector<std::string> words;
   if (facts.place) words.emplace_back("where it was recorded (GPS)");
   if (facts.device) words.emplace_back("the device's name");
@@ -21,7 +21,7 @@ inline std::string left_out_text(const image::PersonalFacts& facts) {
 }
 
 // The same for machines.
-inline Json left_out_json(const image::PersonalFacts& facts) {
+inline Json left_out_json(const image::PersonalData& facts) {
   Json words = Json::array();
   if (facts.place) words.push_back("place");
   if (facts.device) words.push_back("device");

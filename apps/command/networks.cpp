@@ -392,7 +392,8 @@ network::PictureAt pictures_of_keyframes(const home::Home& home,
   return [&home, keyframes = std::move(keyframes)](std::size_t i) -> Expected<image::ColorImage> {
     ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframes[i].id));
     return image::decode_color(images.color).map_error([&](Error error) {
-      return std::move(error).in(fmt::format("{}: key-frame {}", home.file(), keyframes[i].id));
+      return std::move(error).with_context(
+          fmt::format("{}: key-frame {}", home.file(), keyframes[i].id));
     });
   };
 }

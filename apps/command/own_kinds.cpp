@@ -23,7 +23,7 @@ Expected<void> add_own_kinds() {
   if (file.empty()) return {};
   ROOMWISE_TRY(const std::string text, read_text_file(file));
   if (auto added = objects::add_kinds(text); !added) {
-    return Unexpected(std::move(added).error().in(file.string()));
+    return Unexpected(std::move(added).error().with_context(file.string()));
   }
   return {};
 }

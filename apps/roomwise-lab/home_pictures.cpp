@@ -40,7 +40,7 @@ std::string HomePictures::name(std::size_t i) const {
 
 Expected<image::ColorImage> HomePictures::picture(std::size_t i) const {
   return image::decode_color(pictures_[i].color).map_error([&](Error error) {
-    return std::move(error).in(fmt::format("{}: {}", file_, name(i)));
+    return std::move(error).with_context(fmt::format("{}: {}", file_, name(i)));
   });
 }
 

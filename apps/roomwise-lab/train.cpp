@@ -93,7 +93,7 @@ Expected<Data> data_of_folder(const TrainRequest& request) {
     ROOMWISE_TRY(PictureFolder held_out, PictureFolder::open(request.held_out));
     ROOMWISE_TRY(PictureFolder renumbered,
                  std::move(held_out).with_classes(folder.classes()).map_error([&](Error error) {
-                   return std::move(error).in(request.held_out.string());
+                   return std::move(error).with_context(request.held_out.string());
                  }));
     data.training = owned(std::move(folder));
     data.held_out = owned(std::move(renumbered));
@@ -218,7 +218,9 @@ Expected<Answer> train_network(TrainRequest request, Context& context) {
   ROOMWISE_TRY(const Data data,
                request.home.empty() ? data_of_folder(request) : data_of_home(request, context));
   ROOMWISE_TRY(network::NetworkFile file, network_to_train(request));
-  const auto in_file = [&](Error error) { return std::move(error).in(request.network.string()); };
+  const auto in_file = [&](Error error) {
+    return std::move(error).with_context(request.network.string());
+  };
   ROOMWISE_TRY(const std::string features, features_of(request, file.card));
   const std::size_t classes = data.training->classes().size();
   ROOMWISE_TRY(NewHead head,

@@ -164,7 +164,7 @@ Expected<Answer> export_indoorgml(const ContentsOptions& options, Context& conte
   CommandRun run(context);
   ROOMWISE_TRY(const pipeline::HomeContents contents, pipeline::read_home_contents(home, run));
   auto plan = pipeline::indoor_gml(contents);
-  if (!plan) return Unexpected(std::move(plan.error()).in(home.file()));
+  if (!plan) return Unexpected(std::move(plan.error()).with_context(home.file()));
   ROOMWISE_CHECK_OK(write_file(options.output, plan->gml));
   return Answer{
       fmt::format(

@@ -156,7 +156,7 @@ Expected<void> add_rooms_and_truth(const fs::path& folder, Facts& facts) {
 }
 
 // What is there and never given on.
-void add_left_out(const image::PersonalFacts& left_out, Facts& facts) {
+void add_left_out(const image::PersonalData& left_out, Facts& facts) {
   if (left_out.any()) facts.add("left out", left_out_text(left_out), left_out_json(left_out));
 }
 
@@ -182,8 +182,8 @@ Expected<Answer> describe_without_camera(const fs::path& folder) {
   facts.add("frames", frames.size());
   facts.add("seconds", seconds_of(colors.timestamps_ns().back() - colors.timestamps_ns().front()));
   facts.add("camera", "not given (no camera.txt; use --camera)");
-  add_left_out(recording::personal_facts_of_some(colors.size(),
-                                                 [&](std::size_t i) { return colors.read(i); }),
+  add_left_out(recording::personal_data_of_some(colors.size(),
+                                                [&](std::size_t i) { return colors.read(i); }),
                facts);
   ROOMWISE_CHECK_OK(add_rooms_and_truth(folder, facts));
   return std::move(facts).answer();

@@ -285,7 +285,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   for (const auto& [id, finder] : stored_finders) detectors.push_back(finder.name);
   std::vector<std::string> lost;
   for (const auto& [id, why] : run.lost->all()) lost.push_back(why);
-  const image::PersonalFacts& left_out = source->info().left_out;
+  const image::PersonalData& left_out = source->info().left_out;
   answer.text = to_text(summary, names, detectors) +
                 focal_length_text(summary, source->info().camera) +
                 (left_out.any() ? "left out    " + left_out_text(left_out) + "\n" : "") +

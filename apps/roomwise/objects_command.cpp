@@ -293,9 +293,9 @@ void add_without_history(Answer& answer, const pipeline::HomeThing& one,
   const std::string room = words.room(one);
   const std::string visit = one.visit != 0 ? visits.at(one.visit).name : "";
   answer.text += fmt::format("{}{}: {}\n", one.name, room.empty() ? "" : ", " + room,
-                             one.added_by != 0 ? "somebody added it by hand"
-                             : visit.empty()   ? "no walk is known to have found it"
-                                               : "stands there since the visit " + visit);
+                             one.added_by_edit != 0 ? "somebody added it by hand"
+                             : visit.empty()        ? "no walk is known to have found it"
+                                                    : "stands there since the visit " + visit);
   answer.json["things"].push_back({{"name", one.name},
                                    {"room", word_or_null(room)},
                                    {"gone", false},

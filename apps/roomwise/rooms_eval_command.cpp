@@ -127,9 +127,9 @@ Expected<void> add_pictures(const RoomsEvaluationOptions& options, const home::H
   return {};
 }
 
-RecognitionReportContent::Rule row_of(const RuleResult& result, const Pictures& all,
-                                      bool by_walks) {
-  RecognitionReportContent::Rule row;
+RecognitionReportContent::DecisionRule row_of(const RuleResult& result, const Pictures& all,
+                                              bool by_walks) {
+  RecognitionReportContent::DecisionRule row;
   row.name = result.rule;
   row.decisions = result.judgements.size();
   const auto precision = precision_of(result, all.pictures, by_walks);
@@ -138,7 +138,7 @@ RecognitionReportContent::Rule row_of(const RuleResult& result, const Pictures& 
   row.precision_interval = precision.resampled_interval();
   row.top1_correct = best.total();
   row.top1_interval = best.resampled_interval();
-  row.ms = result.median_ms;
+  row.median_ms = result.median_ms;
   row.confusion = confusion_of(result, all.pictures);
   row.curve = curve_of(result, all.pictures);
   return row;
@@ -178,14 +178,14 @@ Json walks_json(const RuleResult& result, const Pictures& all) {
 }
 
 // "correct", "precision" and "interval" are of all decisions: the best room, named or not.
-Json to_json(const RecognitionReportContent::Rule& row, const RuleResult& result) {
+Json to_json(const RecognitionReportContent::DecisionRule& row, const RuleResult& result) {
   Json json = {{"rule", row.name},
                {"n", row.decisions},
                {"correct", row.top1_correct.successes},
                {"precision", row.top1_correct.value()},
                {"interval", {row.top1_interval.low, row.top1_interval.high}},
                {"named", to_json(row.named_correct, row.precision_interval)},
-               {"ms", row.ms}};
+               {"ms", row.median_ms}};
   if (!result.reasons.empty()) json["how"] = result.reasons;
   for (const std::string& truth : row.confusion.rooms()) {
     for (const std::string& answer : row.confusion.rooms()) {
@@ -199,7 +199,7 @@ Json to_json(const RecognitionReportContent::Rule& row, const RuleResult& result
   return json;
 }
 
-std::string to_text(const RecognitionReportContent::Rule& row) {
+std::string to_text(const RecognitionReportContent::DecisionRule& row) {
   return fmt::format(
       "{:44} {:5} {:7.3f} ({:.3f} to {:.3f}) {:7.3f} {:7.3f} ({:.3f} to {:.3f}) {:8.1f}\n",
       row.name, row.decisions, row.top1_correct.value(), row.top1_interval.low,
@@ -207,10 +207,11 @@ std::string to_text(const RecognitionReportContent::Rule& row) {
       row.decisions == 0
           ? 0
           : static_cast<double>(row.named_correct.n) / static_cast<double>(row.decisions),
-      row.named_correct.value(), row.precision_interval.low, row.precision_interval.high, row.ms);
+      row.named_correct.value(), row.precision_interval.low, row.precision_interval.high,
+      row.median_ms);
 }
 
-std::string confusion_text(const RecognitionReportContent::Rule& row) {
+std::string confusion_text(const RecognitionReportContent::DecisionRule& row) {
   std::string text = row.name + ":\n";
   for (const std::string& room : row.confusion.rooms()) {
     const evaluation::Proportion recall = row.confusion.recall(room);

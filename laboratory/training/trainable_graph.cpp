@@ -120,7 +120,7 @@ struct TrainableGraph::Builder {
     step.trained = trained;
     step.who =
         fmt::format("node \"{}\" ({}, opset {})", name_of(node), node.operation, made.graph_.opset);
-    const auto in_node = [&](Error error) { return std::move(error).in(step.who); };
+    const auto in_node = [&](Error error) { return std::move(error).with_context(step.who); };
     ROOMWISE_TRY(step.operation, make_operation(node, made.graph_.opset).map_error(in_node));
     for (const std::string& input : node.inputs) {
       if (!input.empty() && !places.contains(input))

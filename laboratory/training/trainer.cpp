@@ -198,7 +198,7 @@ class Training {
     }
     ROOMWISE_TRY(bytes, processes_.broadcast(std::move(bytes)));
     return state_.read(bytes, fingerprint_).map_error([&](Error error) {
-      return std::move(error).in(options_.checkpoint.string());
+      return std::move(error).with_context(options_.checkpoint.string());
     });
   }
 

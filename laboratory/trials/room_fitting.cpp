@@ -421,7 +421,7 @@ Expected<std::vector<RoomCase>> read_room_evidence(const fs::path& file) {
     const std::string place = fmt::format("{}:{}", file.string(), cases.size() + 1);
     try {
       auto one = parse_evidence(nlohmann::json::parse(line));
-      if (!one) return Unexpected(std::move(one).error().in(place));
+      if (!one) return Unexpected(std::move(one).error().with_context(place));
       cases.push_back(*std::move(one));
     } catch (const nlohmann::json::exception& error) {
       return fail("{}: {}", place, error.what());

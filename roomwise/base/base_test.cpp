@@ -35,7 +35,7 @@ TEST(Error, KeepsItsCodeOnItsWay) {
     return 1;
   };
   EXPECT_EQ(pass_on().error().code, ErrorCode::kRefused);
-  const Error outer = Error(refused.error()).in("door");
+  const Error outer = Error(refused.error()).with_context("door");
   EXPECT_EQ(outer.message, "door: no entry");
   EXPECT_EQ(outer.code, ErrorCode::kRefused);
   EXPECT_EQ(fail("no").value().code, ErrorCode::kFailed);

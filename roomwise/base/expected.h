@@ -25,7 +25,7 @@ struct Error {
   ErrorCode code = ErrorCode::kFailed;
 
   // The same error seen from further out: "CONTEXT: message".
-  Error in(std::string_view context) && {
+  Error with_context(std::string_view context) && {
     return Error{fmt::format("{}: {}", context, message), code};
   }
 };

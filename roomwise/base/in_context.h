@@ -11,7 +11,7 @@ namespace roomwise {
 //   ROOMWISE_TRY(const auto image, in_context(path.string(), decode(bytes)));
 template <typename T>
 [[nodiscard]] Expected<T> in_context(std::string_view context, Expected<T> outcome) {
-  if (!outcome) return Unexpected(std::move(outcome).error().in(context));
+  if (!outcome) return Unexpected(std::move(outcome).error().with_context(context));
   return outcome;
 }
 

@@ -197,7 +197,7 @@ Keyframe read_keyframe(const Statement& row) {
 Expected<RecordingId> Home::add_recording(const Recording& recording) {
   const geometry::PinholeCamera& camera = recording.camera;
   if (auto valid = camera.validate(); !valid) {
-    return Unexpected(std::move(valid).error().in(
+    return Unexpected(std::move(valid).error().with_context(
         fmt::format("{}: camera of recording '{}'", file(), recording.name)));
   }
   const geometry::LensDistortion& lens = camera.distortion;

@@ -180,7 +180,7 @@ Expected<rooms::Concepts> Home::concepts() const {
   rooms::Concepts concepts;
   for (const auto& [object, of_object] : labels) {
     if (auto added = concepts.vocabulary.add(object, of_object); !added) {
-      return Unexpected(std::move(added).error().in(file()));
+      return Unexpected(std::move(added).error().with_context(file()));
     }
   }
   ROOMWISE_CHECK_OK(database_.for_each(

@@ -171,11 +171,11 @@ std::optional<ExifLens> exif_lens(std::span<const std::uint8_t> app1) {
   return lens.tells_focal_length() ? std::optional(lens) : std::nullopt;
 }
 
-PersonalFacts exif_personal_facts(std::span<const std::uint8_t> app1) {
+PersonalData exif_personal_data(std::span<const std::uint8_t> app1) {
   constexpr std::uint32_t kGpsDirectory = 0x8825, kLatitude = 2, kLongitude = 4;
   constexpr std::uint32_t kMake = 0x010F, kModel = 0x0110, kComputer = 0x013C, kSerial = 0xA431;
   constexpr std::uint32_t kArtist = 0x013B, kCopyright = 0x8298, kCameraOwner = 0xA430;
-  PersonalFacts facts;
+  PersonalData facts;
   const auto tiff = tiff_in(app1);
   const auto first = tiff ? directory_at(*tiff, 4) : std::nullopt;
   if (!first) return facts;

@@ -206,7 +206,7 @@ Bytes bare_webp(Span webp, const std::vector<Part>& parts) {
   return bare;
 }
 
-PersonalFacts facts_of_xmp(std::string_view xmp) {
+PersonalData facts_of_xmp(std::string_view xmp) {
   const auto says = [&](std::initializer_list<const char*> names) {
     return std::ranges::any_of(names, [&](const char* name) { return xmp.find(name) != xmp.npos; });
   };
@@ -215,23 +215,23 @@ PersonalFacts facts_of_xmp(std::string_view xmp) {
           says({"dc:creator", "OwnerName", "xmpRights:Owner"})};
 }
 
-PersonalFacts facts_of_jpeg_part(const Part& part) {
+PersonalData facts_of_jpeg_part(const Part& part) {
   if (part.what != kApp1) return {};
   const std::string_view text = as_text(part.content);
   return text.starts_with("http://ns.adobe.com/") ? facts_of_xmp(text)
-                                                  : exif_personal_facts(part.content);
+                                                  : exif_personal_data(part.content);
 }
 
-PersonalFacts facts_of_exif(Span tiff) {
+PersonalData facts_of_exif(Span tiff) {
   constexpr std::string_view kExif("Exif\0\0", 6);
   Bytes app1(kExif.begin(), kExif.end());
   if (as_text(tiff).starts_with(kExif)) app1.clear();  // some write it in other files, too
   append(app1, tiff);
-  return exif_personal_facts(app1);
+  return exif_personal_data(app1);
 }
 
 // Of a text's keyword those that the standard of PNG has.
-PersonalFacts facts_of_png_part(const Part& part) {
+PersonalData facts_of_png_part(const Part& part) {
   const std::string_view text = as_text(part.content);
   if (part.what == letters("eXIf")) return facts_of_exif(part.content);
   if (part.what == letters("iTXt") && text.starts_with("XML:com.adobe.xmp")) {
@@ -245,9 +245,9 @@ PersonalFacts facts_of_png_part(const Part& part) {
   return {};
 }
 
-PersonalFacts facts_of_webp_part(const Part& part) {
+PersonalData facts_of_webp_part(const Part& part) {
   if (part.what == letters("EXIF")) return facts_of_exif(part.content);
-  return part.what == letters("XMP ") ? facts_of_xmp(as_text(part.content)) : PersonalFacts();
+  return part.what == letters("XMP ") ? facts_of_xmp(as_text(part.content)) : PersonalData();
 }
 
 }  // namespace
@@ -259,11 +259,11 @@ std::optional<Bytes> without_metadata(Span picture) {
   return is_png(picture) ? bare_png(picture, *parts) : bare_webp(picture, *parts);
 }
 
-PersonalFacts personal_facts_of(Span picture) {
+PersonalData personal_data_of(Span picture) {
   const auto facts_of_part = is_jpeg(picture)  ? facts_of_jpeg_part
                              : is_png(picture) ? facts_of_png_part
                                                : facts_of_webp_part;
-  PersonalFacts facts;
+  PersonalData facts;
   const Parts parts = parts_of(picture);
   if (!parts) return facts;
   for (const Part& part : *parts) facts |= facts_of_part(part);

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "roomwise/base/file.h"
-#include "roomwise/image/personal_facts.h"
+#include "roomwise/image/personal_data.h"
 
 namespace roomwise::image {
 
@@ -17,10 +17,10 @@ namespace roomwise::image {
 
 // Whether the payload of a JPEG's APP1 segment says where the picture was taken, with what and by
 // whom; that is not read.
-[[nodiscard]] PersonalFacts exif_personal_facts(std::span<const std::uint8_t> app1);
+[[nodiscard]] PersonalData exif_personal_data(std::span<const std::uint8_t> app1);
 
 // What the file says of people and places besides the picture, as far as it is written in the ways
 // that cameras and phones use.
-[[nodiscard]] PersonalFacts personal_facts_of(std::span<const std::uint8_t> picture);
+[[nodiscard]] PersonalData personal_data_of(std::span<const std::uint8_t> picture);
 
 }  // namespace roomwise::image

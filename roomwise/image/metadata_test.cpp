@@ -94,7 +94,7 @@ TEST(Metadata, OfAPngGoes) {
   Bytes png = with_chunk(encode_png(some_picture()), "eXIf", tiff);
   png = with_chunk(png, "tEXt", std::string_view("Author\0Jane Secret", 18));
   append_text(png, "SecretPhone");
-  EXPECT_EQ(personal_facts_of(png), (PersonalFacts{true, true, true}));
+  EXPECT_EQ(personal_data_of(png), (PersonalData{true, true, true}));
   const auto bare = without_metadata(png);
   ASSERT_TRUE(bare);
   EXPECT_EQ(*bare, encode_png(some_picture()));
@@ -119,7 +119,7 @@ TEST(Metadata, OfAWebpGoes) {
   webp[4] = static_cast<std::uint8_t>(webp.size() - 8);
   webp[5] = static_cast<std::uint8_t>((webp.size() - 8) >> 8U);
   ASSERT_EQ(decode_color(webp).value(), color);
-  EXPECT_TRUE(personal_facts_of(webp).place);
+  EXPECT_TRUE(personal_data_of(webp).place);
   const auto bare = without_metadata(webp);
   ASSERT_TRUE(bare);
   EXPECT_EQ(secrets_in(*bare), "");
@@ -129,15 +129,15 @@ TEST(Metadata, OfAWebpGoes) {
 
 TEST(Metadata, IsToldOfButNotRead) {
   const Bytes plain = encode_jpeg(some_picture(), 90);
-  EXPECT_FALSE(personal_facts_of(plain).any());
-  EXPECT_FALSE(personal_facts_of({}).any());
-  EXPECT_EQ(personal_facts_of(with_exif(plain, exif_with_place(6))),
-            (PersonalFacts{true, true, true}));
+  EXPECT_FALSE(personal_data_of(plain).any());
+  EXPECT_FALSE(personal_data_of({}).any());
+  EXPECT_EQ(personal_data_of(with_exif(plain, exif_with_place(6))),
+            (PersonalData{true, true, true}));
   const Bytes lens = testing::ExifWriter(true).write(testing::kPhoneExif);
-  EXPECT_FALSE(personal_facts_of(with_exif(plain, lens)).any()) << "a lens is nobody's name";
-  EXPECT_EQ(personal_facts_of(
+  EXPECT_FALSE(personal_data_of(with_exif(plain, lens)).any()) << "a lens is nobody's name";
+  EXPECT_EQ(personal_data_of(
                 with_segment(plain, 0xE1, "http://ns.adobe.com/xap/1.0/ exif:GPSLatitude=\"50\"")),
-            (PersonalFacts{true, false, false}));
+            (PersonalData{true, false, false}));
 }
 
 TEST(Metadata, OfFilesThatMakeNoSenseIsNothing) {
@@ -148,7 +148,7 @@ TEST(Metadata, OfFilesThatMakeNoSenseIsNothing) {
   for (const Bytes& whole : {jpeg, png}) {
     for (std::size_t size = 0; size < whole.size(); ++size) {
       EXPECT_FALSE(without_metadata(std::span(whole).first(size))) << size;
-      static_cast<void>(personal_facts_of(std::span(whole).first(size)));
+      static_cast<void>(personal_data_of(std::span(whole).first(size)));
     }
   }
 }

@@ -64,8 +64,8 @@ Expected<geometry::PinholeCamera> read_camera(const std::filesystem::path& path)
   }
   auto camera = parse_camera(lines[0].words);
   if (!camera) {
-    return Unexpected(
-        std::move(camera).error().in(fmt::format("{}:{}", path.string(), lines[0].number)));
+    return Unexpected(std::move(camera).error().with_context(
+        fmt::format("{}:{}", path.string(), lines[0].number)));
   }
   return camera;
 }

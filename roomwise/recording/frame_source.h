@@ -5,7 +5,7 @@
 #include <string>
 
 #include "roomwise/base/expected.h"
-#include "roomwise/image/personal_facts.h"
+#include "roomwise/image/personal_data.h"
 #include "roomwise/image/rgbd_frame.h"
 
 namespace roomwise::recording {
@@ -18,7 +18,7 @@ struct SourceInfo {
   // Of a live camera, so far: what came damaged, or came while nobody took it.
   std::uint64_t lost_frames = 0;
   // What the source says that is nobody's business. It is in no frame.
-  image::PersonalFacts left_out = {};
+  image::PersonalData left_out = {};
 };
 
 // Where RGB-D frames come from: a recording, a live camera, the network, a simulated home. Frames

@@ -17,13 +17,13 @@ namespace roomwise::recording {
 namespace {
 
 namespace fs = std::filesystem;
-using image::PersonalFacts;
+using image::PersonalData;
 
 constexpr std::uintmax_t kMaxJsonBytes = std::uintmax_t{1} << 27;
 constexpr int kMaxJsonDepth = 64;  // no app's files come near it
 
 // What a member of this name says: "deviceModel", "device_model" and "Device Model" are one.
-PersonalFacts facts_of_name(const std::string& name) {
+PersonalData facts_of_name(const std::string& name) {
   std::string letters;
   for (const unsigned char c : name) {
     if (std::isalpha(c) != 0) letters += static_cast<char>(std::tolower(c));
@@ -48,8 +48,8 @@ bool says_something(const nlohmann::json& value) {
   return !value.empty();
 }
 
-PersonalFacts facts_down_to(const nlohmann::json& value, int depth) {
-  PersonalFacts facts;
+PersonalData facts_down_to(const nlohmann::json& value, int depth) {
+  PersonalData facts;
   if (!value.is_structured() || depth == 0) return facts;
   for (const auto& [name, below] : value.items()) {
     if (value.is_object() && says_something(below)) facts |= facts_of_name(name);
@@ -131,30 +131,30 @@ Expected<void> take_out_of_file(const fs::path& path) {
 
 }  // namespace
 
-PersonalFacts personal_facts_of_some(std::size_t pictures,
-                                     const std::function<Expected<Bytes>(std::size_t)>& read) {
-  PersonalFacts facts;
+PersonalData personal_data_of_some(std::size_t pictures,
+                                   const std::function<Expected<Bytes>(std::size_t)>& read) {
+  PersonalData facts;
   if (pictures == 0) return facts;
   for (const std::size_t one : std::set{std::size_t{0}, pictures / 2, pictures - 1}) {
-    if (const auto bytes = read(one)) facts |= image::personal_facts_of(*bytes);
+    if (const auto bytes = read(one)) facts |= image::personal_data_of(*bytes);
   }
   return facts;
 }
 
-PersonalFacts personal_facts_of_json(const nlohmann::json& value) {
+PersonalData personal_data_of_json(const nlohmann::json& value) {
   return facts_down_to(value, kMaxJsonDepth);
 }
 
-PersonalFacts personal_facts_of_json_file(const fs::path& path) {
+PersonalData personal_data_of_json_file(const fs::path& path) {
   std::error_code error;
   const auto size = fs::file_size(path, error);
   if (error || size > kMaxJsonBytes) return {};
   const auto text = read_text_file(path);
   const auto parsed = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
-  return parsed.is_discarded() ? PersonalFacts() : personal_facts_of_json(parsed);
+  return parsed.is_discarded() ? PersonalData() : personal_data_of_json(parsed);
 }
 
-Expected<void> leave_out_personal_facts(const fs::path& folder) {
+Expected<void> leave_out_personal_data(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   fs::recursive_directory_iterator entry(folder, error);

@@ -6,7 +6,7 @@
 
 #include "roomwise/base/expected.h"
 #include "roomwise/base/file.h"
-#include "roomwise/image/personal_facts.h"
+#include "roomwise/image/personal_data.h"
 
 // Where somebody lives, and with what they recorded it, is nobody's business. Readers give nothing
 // of it on, and say that it was there.
@@ -14,19 +14,19 @@ namespace roomwise::recording {
 
 // Of a recording's pictures: its first, middle and last, since a phone may know where it is only
 // after a while. What cannot be read says nothing.
-[[nodiscard]] image::PersonalFacts personal_facts_of_some(
+[[nodiscard]] image::PersonalData personal_data_of_some(
     std::size_t pictures, const std::function<Expected<Bytes>(std::size_t)>& read);
 
 // By the names of members, wherever they stand; one that is empty, zero or false says nothing.
-[[nodiscard]] image::PersonalFacts personal_facts_of_json(const nlohmann::json& value);
+[[nodiscard]] image::PersonalData personal_data_of_json(const nlohmann::json& value);
 // Of a file; none where it is not there or no JSON.
-[[nodiscard]] image::PersonalFacts personal_facts_of_json_file(const std::filesystem::path& path);
+[[nodiscard]] image::PersonalData personal_data_of_json_file(const std::filesystem::path& path);
 
 // Takes all such out of the files of a folder that was unpacked: such members of JSON, and from
 // JPEG, PNG and WebP, told by their content, what they say besides the picture. A JSON file that
 // cannot be read, so that nobody knows what it says, is emptied; files that no reader takes and
 // that may tell (.heic, .plist, .gpx, ...) go; pictures that cannot be read stay. Fails where a
 // file cannot be written.
-[[nodiscard]] Expected<void> leave_out_personal_facts(const std::filesystem::path& folder);
+[[nodiscard]] Expected<void> leave_out_personal_data(const std::filesystem::path& folder);
 
 }  // namespace roomwise::recording

@@ -11,18 +11,18 @@
 namespace roomwise::recording {
 namespace {
 
-using image::PersonalFacts;
+using image::PersonalData;
 using roomwise::testing::ScratchFolder;
 
-PersonalFacts facts_in(const char* text) {
-  return personal_facts_of_json(nlohmann::json::parse(text));
+PersonalData facts_in(const char* text) {
+  return personal_data_of_json(nlohmann::json::parse(text));
 }
 
 TEST(PersonalFiles, AreToldByTheNamesOfMembers) {
-  EXPECT_EQ(facts_in(R"({"latitude": 50.1})"), (PersonalFacts{true, false, false}));
+  EXPECT_EQ(facts_in(R"({"latitude": 50.1})"), (PersonalData{true, false, false}));
   EXPECT_EQ(facts_in(R"({"scan": [{"Device Model": "iPhone 15"}]})"),
-            (PersonalFacts{false, true, false}));
-  EXPECT_EQ(facts_in(R"({"ownerName": "Jane"})"), (PersonalFacts{false, false, true}));
+            (PersonalData{false, true, false}));
+  EXPECT_EQ(facts_in(R"({"ownerName": "Jane"})"), (PersonalData{false, false, true}));
   EXPECT_FALSE(facts_in(R"({"latitude": 0, "hasGPS": false, "device": "", "owner": null,
                             "time": 3, "numFaces": 4, "modifiedStatusRefinedModel": 1})")
                    .any())
@@ -45,7 +45,7 @@ TEST(PersonalFiles, OfAFolderLoseThatAlone) {
   write("a/b/0.jpg", image::testing::with_exif(plain, image::testing::exif_with_place(1)));
   write("a/odometry.csv", std::string_view("timestamp\n"));
   write("a/cut.jpg", std::string_view("no picture"));
-  ASSERT_OK(leave_out_personal_facts(folder.path()));
+  ASSERT_OK(leave_out_personal_data(folder.path()));
   const auto text_of = [&](const char* name) { return read_text_file(folder / name).value(); };
   EXPECT_EQ(text_of("a/b/frame.json"), R"({"time":104137.33988787502,"at":[{}]})");
   EXPECT_EQ(text_of("a/plain.json"), "{ \"time\": 1 }\n") << "as it was";
@@ -67,7 +67,7 @@ TEST(PersonalFiles, AreToldByWhatTheyHoldHoweverTheyAreCalled) {
   for (const char* name : {"0.heic", "1.plist", "2.xml", "GPS.csv", "location.txt"}) {
     EXPECT_OK(write_file(folder / name, std::string_view("latitude, 50.1")));
   }
-  ASSERT_OK(leave_out_personal_facts(folder.path()));
+  ASSERT_OK(leave_out_personal_data(folder.path()));
   for (const char* name : {"a.PNG", "b.WEBP", "c.Jpg", "d.heic", "e", "f.JSON"}) {
     EXPECT_EQ(read_file(folder / name).value(), plain) << name;
   }

@@ -69,7 +69,7 @@ Expected<std::optional<image::RgbdFrame>> Recording::frame(std::uint64_t index) 
   const RecordedPicture* picture = find(index);
   if (picture == nullptr || !picture->has_depth) return std::optional<image::RgbdFrame>();
   ROOMWISE_TRY(image::RgbdFrame read, read_frame(*picture));
-  if (contents_.poses_are_motion) read.device_motion = motion_at(picture->timestamp_ns);
+  if (contents_.poses_are_device_motion) read.device_motion = motion_at(picture->timestamp_ns);
   return std::optional(std::move(read));
 }
 

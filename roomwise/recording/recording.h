@@ -45,7 +45,7 @@ struct RecordingContents {
   Trajectory device_poses;
   // Whether the device knew these poses while it recorded, so that mapping may take them for its
   // motion; not where they were reconstructed from the pictures afterwards.
-  bool poses_are_motion = false;
+  bool poses_are_device_motion = false;
   // The direction up in the device's world, unit length, where that is level.
   std::optional<Eigen::Vector3d> device_up = std::nullopt;
   // For people: what was chosen among several, what was found wrong and passed over, what an end
@@ -69,7 +69,7 @@ class Recording : public FrameSource {
   [[nodiscard]] const Trajectory& device_poses() const { return contents_.device_poses; }
   // Whether frames carry device_poses() as their device_motion.
   [[nodiscard]] bool has_device_motion() const {
-    return contents_.poses_are_motion && !contents_.device_poses.empty();
+    return contents_.poses_are_device_motion && !contents_.device_poses.empty();
   }
   // For people, a sentence each: what was chosen among several streams, what was passed over.
   [[nodiscard]] const std::vector<std::string>& notes() const { return contents_.notes; }

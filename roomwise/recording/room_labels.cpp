@@ -20,7 +20,7 @@ Expected<void> validate(const RoomRange& range) {
     return fail("{} runs backwards; give the lower frame first", describe(range));
   }
   if (auto name = validate_room_name(range.room); !name) {
-    return Unexpected(std::move(name).error().in(describe(range)));
+    return Unexpected(std::move(name).error().with_context(describe(range)));
   }
   if (range.visit < 1) {
     return fail("{} is visit {}; visits are numbered from 1", describe(range), range.visit);
@@ -86,7 +86,7 @@ Expected<RoomLabels> RoomLabels::read(const std::filesystem::path& path) {
     auto range = parse_and_check();
     if (!range) {
       return Unexpected(
-          std::move(range).error().in(fmt::format("{}:{}", path.string(), line.number)));
+          std::move(range).error().with_context(fmt::format("{}:{}", path.string(), line.number)));
     }
     labels.ranges_.push_back(*std::move(range));
   }

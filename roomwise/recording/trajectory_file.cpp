@@ -47,7 +47,7 @@ Expected<Trajectory> read_trajectory(const std::filesystem::path& path) {
     auto pose = parse_pose(line.words);
     // What was written while a device recorded may end in the middle of a line.
     if (!pose && !line.complete && !trajectory.empty()) break;
-    if (!pose) return Unexpected(std::move(pose).error().in(place));
+    if (!pose) return Unexpected(std::move(pose).error().with_context(place));
     if (!trajectory.empty() && pose->timestamp_ns <= trajectory.back().timestamp_ns) {
       return fail("{}: the time {} does not increase; sort the lines by time, each time once",
                   place, line.words[0]);

@@ -88,7 +88,7 @@ Expected<ImageList> ImageList::open(const std::filesystem::path& folder,
     const bool torn = !line.complete &&
                       (!image || !std::filesystem::is_regular_file(folder / image->file, ignored));
     if (torn) break;
-    if (!image) return Unexpected(std::move(image).error().in(place));
+    if (!image) return Unexpected(std::move(image).error().with_context(place));
     if (list.size() > 0 && image->timestamp_ns <= list.timestamps_ns_.back()) {
       return fail("{}: the time {} does not increase; sort the lines by time, each time once",
                   place, line.words[0]);
@@ -159,14 +159,14 @@ Expected<std::unique_ptr<TumRecording>> TumRecording::open(const std::filesystem
   contents.info.name = recording_name(folder);
   contents.info.camera = camera;
   contents.info.left_out =
-      personal_facts_of_some(colors.size(), [&](std::size_t i) { return colors.read(i); });
+      personal_data_of_some(colors.size(), [&](std::size_t i) { return colors.read(i); });
   contents.pictures = pictures_of(colors, associations);
   std::error_code ignored;
   if (std::filesystem::exists(folder / kOdometryFile, ignored)) {
     ROOMWISE_TRY(Odometry odometry, read_odometry(folder / kOdometryFile));
     contents.device_poses = std::move(odometry.poses);
     contents.device_up = odometry.up;
-    contents.poses_are_motion = true;
+    contents.poses_are_device_motion = true;
   }
   return std::unique_ptr<TumRecording>(new TumRecording(
       std::move(contents), std::move(colors), std::move(depths), std::move(associations)));

@@ -84,7 +84,7 @@ TEST_F(TumFolder, SaysThatAPictureTellsWhereItWasTakenAndGivesItsFileWithout) {
   write("rgb/3.png", image::testing::with_exif(plain, image::testing::exif_with_place(3)));
   const auto recording = open();
   ASSERT_OK(recording);
-  EXPECT_EQ((*recording)->info().left_out, (image::PersonalFacts{true, true, true}));
+  EXPECT_EQ((*recording)->info().left_out, (image::PersonalData{true, true, true}));
   const auto frame = (*recording)->frame(3);
   ASSERT_OK(frame);
   const Bytes file = image::color_file(**frame);

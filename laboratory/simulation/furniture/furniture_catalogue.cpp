@@ -50,8 +50,8 @@ Expected<void> add_offers(const std::filesystem::path& path, Offers& offers) {
   auto models =
       parse_furniture_properties({reinterpret_cast<const char*>(text.data()), text.size()});
   if (!models) {
-    return Unexpected(
-        std::move(models).error().in(fmt::format("{}: {}", path.string(), kPropertyFile)));
+    return Unexpected(std::move(models).error().with_context(
+        fmt::format("{}: {}", path.string(), kPropertyFile)));
   }
   for (FurnitureProperties& model : *models) {
     offers.try_emplace(model.id, Offer{path, model});
@@ -187,7 +187,7 @@ Expected<TriangleMesh> FurnitureCatalogue::load(std::string_view id) const {
                            }};
   auto mesh =
       load_mesh(folder, source.path.substr(slash + 1), {source.object_from_model, model->size_m});
-  if (!mesh) return Unexpected(std::move(mesh).error().in(model_folder));
+  if (!mesh) return Unexpected(std::move(mesh).error().with_context(model_folder));
   return mesh;
 }
 

@@ -317,7 +317,7 @@ Expected<TriangleMesh> load_mesh(const ModelFolder& folder, const std::string& o
                                  const MeshFit& fit) {
   ROOMWISE_TRY(Model model, parse(folder, obj_name));
   if (auto fitted = fit_model(model, fit); !fitted) {
-    return Unexpected(std::move(fitted).error().in(obj_name));
+    return Unexpected(std::move(fitted).error().with_context(obj_name));
   }
   measure_faces(model);
   turn_faces_to_their_normals(model);

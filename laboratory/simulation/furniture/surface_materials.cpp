@@ -71,7 +71,7 @@ class Textures {
     if (texture == nullptr) {
       ROOMWISE_TRY(const Bytes bytes, folder_.read(*name));
       auto decoded = image::decode_color(bytes);
-      if (!decoded) return Unexpected(std::move(decoded).error().in(*name));
+      if (!decoded) return Unexpected(std::move(decoded).error().with_context(*name));
       texture = std::make_shared<const image::ColorImage>(shrunk(*std::move(decoded)));
     }
     return texture;

@@ -440,7 +440,7 @@ Expected<FloorPlanTruth> read_floor_plan(const std::filesystem::path& path) {
   auto plan = read_json<Expected<FloorPlanTruth>>(
       path, [](const Json& json) { return FloorPlanReader(json).read(); });
   if (!plan) return Unexpected(std::move(plan).error());
-  if (!*plan) return Unexpected(std::move(*plan).error().in(path.string()));
+  if (!*plan) return Unexpected(std::move(*plan).error().with_context(path.string()));
   return *std::move(*plan);
 }
 

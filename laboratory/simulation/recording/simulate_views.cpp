@@ -232,8 +232,9 @@ Expected<ViewsSummary> simulate_views(const ViewsOptions& options,
   Expected<void> added;
   while (added && writer.homes() < homes && !progress.interrupted()) {
     const std::uint64_t seed = options.first_home + writer.homes();
-    added = writer.add_home(seed).map_error(
-        [seed](Error error) { return std::move(error).in(fmt::format("home {}", seed)); });
+    added = writer.add_home(seed).map_error([seed](Error error) {
+      return std::move(error).with_context(fmt::format("home {}", seed));
+    });
     progress.advance(writer.homes(), fmt::format("{} pictures", writer.pictures()));
   }
   progress.end();

@@ -138,7 +138,7 @@ Expected<MadeRecording> read_simulation(const std::filesystem::path& path) {
   try {
     const auto json = ordered_json::parse(text);
     auto options = from_json(json);
-    if (!options) return Unexpected(std::move(options).error().in(path.string()));
+    if (!options) return Unexpected(std::move(options).error().with_context(path.string()));
     return MadeRecording{*std::move(options), json.at("scene_sha256").get<std::string>()};
   } catch (const nlohmann::json::exception& error) {
     return fail(

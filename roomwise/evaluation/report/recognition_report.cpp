@@ -24,12 +24,12 @@ std::string with_interval(const Proportion& proportion, const Interval& interval
 
 std::string rules_table(const Content& content) {
   std::vector<std::vector<std::string>> rows;
-  for (const Content::Rule& rule : content.rules) {
+  for (const Content::DecisionRule& rule : content.rules) {
     rows.push_back({rule.name, std::to_string(rule.decisions),
                     percent_of({rule.named_correct.n, rule.decisions}),
                     with_interval(rule.named_correct, rule.precision_interval),
                     with_interval(rule.top1_correct, rule.top1_interval),
-                    fmt::format("{:.1f} ms", rule.ms)});
+                    fmt::format("{:.1f} ms", rule.median_ms)});
   }
   return report_table(
       "How often each way was right, with 95 % intervals",
@@ -95,7 +95,7 @@ std::string render_recognition_report(const Content& content) {
       "<h2>Precision against coverage</h2>\n" +
       scrolling("Precision against coverage", plot_precision_against_coverage(content).element()) +
       "<h2>Which rooms were taken for which</h2>\n";
-  for (const Content::Rule& rule : content.rules)
+  for (const Content::DecisionRule& rule : content.rules)
     body += confusion_table(rule.name, rule.confusion);
   body += "<h2>Rooms that were named wrongly</h2>\n" + mistakes_list(content.mistakes);
   return report_page("Rooms of " + content.title, content.notes, body);

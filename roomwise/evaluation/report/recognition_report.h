@@ -13,14 +13,14 @@ namespace roomwise::evaluation {
 
 // What a page about the recognition of rooms says.
 struct RecognitionReportContent {
-  struct Rule {
+  struct DecisionRule {
     std::string name;  // "two pictures"
     std::uint64_t decisions = 0;
     Proportion named_correct;     // of the rooms that were named
     Interval precision_interval;  // 95 %
     Proportion top1_correct;      // of all: the most probable room, named or not
     Interval top1_interval;       // 95 %
-    double ms = 0;                // a decision
+    double median_ms = 0;         // of a decision
     ConfusionMatrix confusion;    // answers may be "not sure" and "none of them"
     std::vector<CoveragePoint> curve;
   };
@@ -37,7 +37,7 @@ struct RecognitionReportContent {
   std::string title;
   std::vector<std::string> notes;    // how it was measured
   std::vector<NamedFigure> figures;  // what else is to be said, of unknown pictures
-  std::vector<Rule> rules;
+  std::vector<DecisionRule> rules;
   std::vector<Mistake> mistakes;
 };
 

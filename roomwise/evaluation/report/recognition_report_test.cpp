@@ -13,14 +13,14 @@ RecognitionReportContent content() {
   RecognitionReportContent content;
   content.title = "my <home>";
   content.notes = {"Intervals resample visits."};
-  RecognitionReportContent::Rule rule;
+  RecognitionReportContent::DecisionRule rule;
   rule.name = "two pictures";
   rule.decisions = 10;
   rule.named_correct = {7, 8};
   rule.precision_interval = {0.5, 1};
   rule.top1_correct = {8, 10};
   rule.top1_interval = {0.6, 0.95};
-  rule.ms = 12.34;
+  rule.median_ms = 12.34;
   rule.confusion.add("kitchen", "kitchen", 7);
   rule.confusion.add("kitchen", "hall", 1);
   rule.confusion.add("hall", "not sure", 2);

@@ -268,7 +268,7 @@ TEST_F(ThingPromptsTest, WhatAHelperNotedIsSaidWhereTheRoomAloneIsKnown) {
 
 TEST_F(ThingPromptsTest, WhatAHelperAddedIsToldAsSuchAndForCertain) {
   KnownThing kettle = at("cup", 5, 8.2, "kitchen", 1);
-  kettle.added_by = 3;
+  kettle.added_by_edit = 3;
   kettle.is_confirmed = true;
   things_ = {kettle};
   CalendarTime later;
@@ -283,7 +283,7 @@ TEST_F(ThingPromptsTest, WhatAHelperAddedIsToldAsSuchAndForCertain) {
 KnownThing taught_mug() {
   KnownThing mug = at("my blue mug", 5, 8.2, "kitchen", 1);
   mug.box_keyframe.size_m = Vector3d::Zero();
-  mug.is_own = true;
+  mug.is_taught = true;
   return mug;
 }
 

@@ -105,7 +105,8 @@ bool is_carried_about(const std::string& name) {
 // Of what people carry about, the answer's second part.
 std::optional<Prompt> seen_part(const KnownThing& thing, const Wording& wording, TimestampNs now_ns,
                                 const std::optional<CalendarTime>& today) {
-  if (thing.added_by != 0 || (!thing.is_own && !is_carried_about(thing.name))) return std::nullopt;
+  if (thing.added_by_edit != 0 || (!thing.is_taught && !is_carried_about(thing.name)))
+    return std::nullopt;
   return seen_prompt(key_of(thing.name) + "/seen", thing.seen, today, wording, now_ns,
                      "people carry such things about");
 }
@@ -120,7 +121,7 @@ std::vector<Prompt> helper_parts(const KnownThing& thing, const Wording& wording
                                 Confidence::kSure, after(now_ns, kHomeValid_s), because));
     parts.back().sound = Sound::kNone;
   };
-  if (thing.added_by != 0) add("/added", "where.added", {}, "no picture shows it");
+  if (thing.added_by_edit != 0) add("/added", "where.added", {}, "no picture shows it");
   if (!thing.note.empty())
     add("/note", "where.note", {{"note", as_sentence(thing.note)}}, "a helper's note");
   return parts;
@@ -129,7 +130,7 @@ std::vector<Prompt> helper_parts(const KnownThing& thing, const Wording& wording
 // Of what somebody taught, what it lies on.
 std::optional<Prompt> surface_part(const KnownThing& thing, std::span<const KnownThing> things,
                                    const Wording& wording, TimestampNs now_ns) {
-  const KnownThing* const surface = thing.is_own ? surface_under(thing, things) : nullptr;
+  const KnownThing* const surface = thing.is_taught ? surface_under(thing, things) : nullptr;
   if (surface == nullptr) return std::nullopt;
   Prompt prompt = make_prompt(wording, key_of(thing.name) + "/on", "where.on",
                               {{"thing", guide::thing(surface->name)}}, Confidence::kSure,
@@ -178,7 +179,7 @@ std::vector<Prompt> where_prompts(const std::string& asked, const UserLocation& 
   const auto name = thing_meant(asked, things, vocabulary, wording.phrases());
   if (!name) return {unknown_thing(asked, wording, now_ns)};
   const auto own = std::ranges::find(things, *name, &KnownThing::name);
-  if (own->is_own && !own->room && !own->position_gravity && !own->seen) {
+  if (own->is_taught && !own->room && !own->position_gravity && !own->seen) {
     return {make_prompt(wording, key_of(*name), "where.not_seen", {{"thing", thing(*name)}},
                         Confidence::kUnsure, after(now_ns, kHomeValid_s),
                         "it was taught, and no picture has shown it since")};

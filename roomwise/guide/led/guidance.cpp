@@ -249,7 +249,7 @@ Prompt Guidance::act(const Pose& pose) {
 
 std::optional<Prompt> Guidance::turning(const Pose& pose) {
   const bool has_turned = std::abs(turn_rad(turn_from_rad_, pose.heading_rad)) > 8 * kDegree_rad;
-  const bool walks = track_.speed_m_s().value_or(0) > kWalks_m_s;
+  const bool walks = track_.speed_m_s().value_or(0) > kMinWalkingSpeed_m_s;
   if (walks && !has_turned && silent_for_s() > kReaction_s) return stop({"guide.stop"});
   if (has_turned && !track_.may_turn() && track_.is_standing() && silent_for_s() > 0.5) {
     return act(pose);
@@ -633,7 +633,7 @@ Prompt Guidance::no_place() {
 
 // Who walks on would not be there any more when they have heard it.
 Prompt Guidance::arrive_or_stop(const Pose& pose) {
-  const bool walks = track_.speed_m_s().value_or(0) > kWalks_m_s;
+  const bool walks = track_.speed_m_s().value_or(0) > kMinWalkingSpeed_m_s;
   return walks && !way_.comes_to_rest(pose) ? stop({"guide.stop"}) : arrive(pose);
 }
 

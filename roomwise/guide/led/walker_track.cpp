@@ -31,25 +31,25 @@ bool may_follow(const Pose& before, TimestampNs before_ns, const Pose& pose, Tim
 }  // namespace
 
 void WalkerTrack::add(const Pose& pose, TimestampNs at_ns) {
-  if (!stops_.empty() && at_ns <= stops_.back().at_ns) return;
-  if (!stops_.empty() && !may_follow(stops_.back().pose, stops_.back().at_ns, pose, at_ns)) {
+  if (!poses_.empty() && at_ns <= poses_.back().at_ns) return;
+  if (!poses_.empty() && !may_follow(poses_.back().pose, poses_.back().at_ns, pose, at_ns)) {
     const bool is_confirmed = doubted_ && doubted_->at_ns < at_ns &&
                               may_follow(doubted_->pose, doubted_->at_ns, pose, at_ns);
-    doubted_ = Stop{pose, at_ns};
+    doubted_ = TimedPose{pose, at_ns};
     if (!is_confirmed) return;
-    stops_.clear();
+    poses_.clear();
   }
   doubted_.reset();
   // By so much, so that poses that tremble are no walk.
   const double stride_m = std::max(0.3, 3 * pose.sigma_m);
-  if (!counted_to_ || stops_.empty()) counted_to_ = pose.position_gravity;
+  if (!counted_to_ || poses_.empty()) counted_to_ = pose.position_gravity;
   const double ahead_m = (pose.position_gravity - *counted_to_).norm();
   if (ahead_m > stride_m) {
     walked_m_ += ahead_m;
     counted_to_ = pose.position_gravity;
   }
-  stops_.push_back({pose, at_ns});
-  while (seconds_between(stops_.front().at_ns, at_ns) > kKept_s) stops_.pop_front();
+  poses_.push_back({pose, at_ns});
+  while (seconds_between(poses_.front().at_ns, at_ns) > kKept_s) poses_.pop_front();
 }
 
 // Who has just begun to walk seems slow for a second, and is not: how fast they were before tells
@@ -58,12 +58,12 @@ void WalkerTrack::keep_pace(TimestampNs now_ns) {
   constexpr double kFades = 0.99;
   constexpr double kMaxGap_s = 1.5;  // older poses tell nothing of where somebody is now
   const double speed = speed_m_s().value_or(0);
-  if (speed > kWalks_m_s) pace_m_s_ = std::max(kFades * pace_m_s_, speed);
-  pose_age_s_ = std::min(age_s(now_ns), kMaxGap_s);
+  if (speed > kMinWalkingSpeed_m_s) pace_m_s_ = std::max(kFades * pace_m_s_, speed);
+  newest_pose_age_s_ = std::min(age_s(now_ns), kMaxGap_s);
 }
 
 double WalkerTrack::walked_since_m() const {
-  return is_standing() ? 0 : pace_m_s_ * pose_age_s_;
+  return is_standing() ? 0 : pace_m_s_ * newest_pose_age_s_;
 }
 
 double WalkerTrack::left_when_heard_m(double distance_m, double spoken_s) const {
@@ -72,30 +72,30 @@ double WalkerTrack::left_when_heard_m(double distance_m, double spoken_s) const 
 }
 
 const Pose* WalkerTrack::pose(TimestampNs now_ns) const {
-  return age_s(now_ns) <= kFresh_s ? &stops_.back().pose : nullptr;
+  return age_s(now_ns) <= kFresh_s ? &poses_.back().pose : nullptr;
 }
 
 double WalkerTrack::age_s(TimestampNs now_ns) const {
-  return stops_.empty() ? std::numeric_limits<double>::infinity()
-                        : seconds_between(stops_.back().at_ns, now_ns);
+  return poses_.empty() ? std::numeric_limits<double>::infinity()
+                        : seconds_between(poses_.back().at_ns, now_ns);
 }
 
-const WalkerTrack::Stop* WalkerTrack::a_while_ago() const {
+const WalkerTrack::TimedPose* WalkerTrack::a_while_ago() const {
   constexpr double kShortest_s = 0.35, kLongest_s = 1.6;
-  const Stop* earliest = nullptr;
-  for (const Stop& stop : stops_) {
-    const double ago_s = seconds_between(stop.at_ns, stops_.back().at_ns);
+  const TimedPose* found = nullptr;
+  for (const TimedPose& earlier : poses_) {
+    const double ago_s = seconds_between(earlier.at_ns, poses_.back().at_ns);
     if (ago_s < kShortest_s || ago_s > kLongest_s) continue;
     // The nearest to a second ago.
-    if (earliest == nullptr || ago_s >= 0.9) earliest = &stop;
+    if (found == nullptr || ago_s >= 0.9) found = &earlier;
   }
-  return earliest;
+  return found;
 }
 
 std::optional<double> WalkerTrack::speed_m_s() const {
-  const Stop* const before = a_while_ago();
+  const TimedPose* const before = a_while_ago();
   if (before == nullptr) return std::nullopt;
-  const Stop& newest = stops_.back();
+  const TimedPose& newest = poses_.back();
   const double apart_m = (newest.pose.position_gravity - before->pose.position_gravity).norm();
   const double walked_m = std::max(0.0, apart_m - 2 * newest.pose.sigma_m);
   return walked_m / seconds_between(before->at_ns, newest.at_ns);
@@ -109,12 +109,12 @@ bool WalkerTrack::is_standing() const {
 bool WalkerTrack::may_turn() const {
   constexpr double kTurning_rad_s = 10 * kDegree_rad;
   constexpr double kNewer_s = 0.15, kOlder_s = 0.85;
-  for (auto before = stops_.rbegin(); before != stops_.rend(); ++before) {
-    const double ago_s = seconds_between(before->at_ns, stops_.back().at_ns);
+  for (auto before = poses_.rbegin(); before != poses_.rend(); ++before) {
+    const double ago_s = seconds_between(before->at_ns, poses_.back().at_ns);
     if (ago_s < kNewer_s) continue;
     if (ago_s > kOlder_s) return true;
     const double turned =
-        std::abs(turn_rad(before->pose.heading_rad, stops_.back().pose.heading_rad));
+        std::abs(turn_rad(before->pose.heading_rad, poses_.back().pose.heading_rad));
     return turned > kTurning_rad_s * ago_s;
   }
   return true;

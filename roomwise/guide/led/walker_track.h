@@ -9,8 +9,8 @@
 namespace roomwise::guide {
 
 // What people hear, they do within a second and a half (see docs/guide.md).
-constexpr double kReaction_s = 1.3;  // and the next picture tells of it
-constexpr double kWalks_m_s = 0.3;   // nobody turns on the spot so fast
+constexpr double kReaction_s = 1.3;           // and the next picture tells of it
+constexpr double kMinWalkingSpeed_m_s = 0.3;  // nobody turns on the spot so fast
 
 // Where somebody was in the last seconds, by poses that may be late, missing or wrong.
 class WalkerTrack {
@@ -25,7 +25,7 @@ class WalkerTrack {
   [[nodiscard]] const Pose* pose(TimestampNs now_ns) const;
   // The newest that is believed, however old; null where there is none.
   [[nodiscard]] const Pose* newest() const {
-    return stops_.empty() ? nullptr : &stops_.back().pose;
+    return poses_.empty() ? nullptr : &poses_.back().pose;
   }
   // Since that one; infinity where there is none.
   [[nodiscard]] double age_s(TimestampNs now_ns) const;
@@ -45,18 +45,18 @@ class WalkerTrack {
   [[nodiscard]] double left_when_heard_m(double distance_m, double spoken_s) const;
 
  private:
-  struct Stop {
+  struct TimedPose {
     Pose pose;
     TimestampNs at_ns = 0;
   };
   // A second or so before the newest; null where there is none.
-  [[nodiscard]] const Stop* a_while_ago() const;
+  [[nodiscard]] const TimedPose* a_while_ago() const;
 
-  std::deque<Stop> stops_;  // of the last seconds, believed
-  std::optional<Stop> doubted_;
+  std::deque<TimedPose> poses_;  // of the last seconds, believed
+  std::optional<TimedPose> doubted_;
   double walked_m_ = 0;
   double pace_m_s_ = 0.5;  // at which they walk when they walk
-  double pose_age_s_ = 0;
+  double newest_pose_age_s_ = 0;
   std::optional<Eigen::Vector2d> counted_to_;  // of walked_m_
 };
 

@@ -36,10 +36,10 @@ const Pose* UserLocation::sure_pose() const {
 
 double KnownThing::probability_at(const std::optional<CalendarTime>& today) const {
   constexpr double kHoursPerDay = 24;
-  if (added_by != 0 || !seen || !today) return probability;  // a helper's word stands
+  if (added_by_edit != 0 || !seen || !today) return probability;  // a helper's word stands
   const int hours = seen->hours_until(*today);
   if (hours <= 0) return probability;  // or a clock is wrong
-  return probability * objects::still_there(name, hours / kHoursPerDay);
+  return probability * objects::probability_still_there(name, hours / kHoursPerDay);
 }
 
 bool KnownThing::is_sure(const std::optional<CalendarTime>& today) const {

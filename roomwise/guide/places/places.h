@@ -45,15 +45,15 @@ struct KnownThing : objects::Instance {
   std::optional<std::string> room = std::nullopt;
   // When a walk or a visit last saw it; absent where its stamps do not tell.
   std::optional<CalendarTime> seen = std::nullopt;
-  double yaw_rad = 0;         // of its box about z, from x of the gravity-aligned frame
-  std::string note;           // that a helper wrote on it, to be said with it; may be empty
-  std::int64_t added_by = 0;  // the helper's change that added it; 0: pictures show it
-  bool is_confirmed = false;  // a helper who was there says that it is there and is called so
-  bool is_own = false;        // somebody taught it; where it was seen last is all that is known
+  double yaw_rad = 0;              // of its box about z, from x of the gravity-aligned frame
+  std::string note;                // that a helper wrote on it, to be said with it; may be empty
+  std::int64_t added_by_edit = 0;  // the helper's change that added it; 0: pictures show it
+  bool is_confirmed = false;       // a helper who was there says that it is there and is called so
+  bool is_taught = false;  // somebody taught it; where it was seen last is all that is known
 
   // The probability that it is there still and is called so: less the longer ago it was seen
-  // (objects::still_there()), where that and the present are known. What a helper added stays as
-  // certain as it was said.
+  // (objects::probability_still_there()), where that and the present are known. What a helper added
+  // stays as certain as it was said.
   [[nodiscard]] double probability_at(const std::optional<CalendarTime>& today) const;
   [[nodiscard]] bool is_sure(const std::optional<CalendarTime>& today) const;
   [[nodiscard]] const Eigen::Vector3d& size_m() const { return box_keyframe.size_m; }

@@ -42,7 +42,7 @@ bool stands_on(const KnownThing& thing, const KnownThing& surface) {
 const KnownThing* surface_under(const KnownThing& thing, std::span<const KnownThing> things) {
   const KnownThing* highest = nullptr;
   for (const KnownThing& one : things) {
-    if (!one.position_gravity || one.is_own || !stands_on(thing, one)) continue;
+    if (!one.position_gravity || one.is_taught || !stands_on(thing, one)) continue;
     if (highest == nullptr || top_of_m(one) > top_of_m(*highest)) highest = &one;
   }
   return highest;

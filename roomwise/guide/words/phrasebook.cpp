@@ -107,8 +107,8 @@ Expected<Phrasebook> Phrasebook::parse(std::string_view text,
     if (called != kind.called.end()) book.things_.insert({kind.name, called->second});
   }
   if (auto valid = book.validate(); !valid) {
-    return Unexpected(
-        std::move(valid).error().in(fmt::format("messages of language \"{}\"", book.language_)));
+    return Unexpected(std::move(valid).error().with_context(
+        fmt::format("messages of language \"{}\"", book.language_)));
   }
   return book;
 }

@@ -38,10 +38,10 @@ std::vector<ViewedSpot> LiveHome::spots_for(const service::Identity& who) const 
     return std::ranges::any_of(spots, [&](const auto& one) { return one.thing.name == name; });
   };
   // Their own before the computer's of the same name.
-  for (const bool is_own : {true, false}) {
+  for (const bool is_taught : {true, false}) {
     for (const ViewedSpot& one : view_->marked) {
       const bool may_know = one.stored.is_known_to(owner_of(who));
-      const bool fits = (one.stored.owner == owner_of(who)) == is_own;
+      const bool fits = (one.stored.owner == owner_of(who)) == is_taught;
       if (may_know && fits && !is_there(one.thing.name)) spots.push_back(one);
     }
   }

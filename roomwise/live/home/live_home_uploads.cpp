@@ -182,7 +182,7 @@ Expected<TakenIn> LiveHome::take_in(const Upload& upload, const fs::path& unpack
   if (inside.refused) return inside;
   const fs::path& found = inside.path;
   // Where somebody lives, and with what they recorded it, is not kept.
-  if (fs::is_directory(found)) ROOMWISE_CHECK_OK(recording::leave_out_personal_facts(found));
+  if (fs::is_directory(found)) ROOMWISE_CHECK_OK(recording::leave_out_personal_data(found));
   const fs::path path = unused_path(
       walks_folder(), name, fs::is_directory(found) ? std::string() : found.extension().string());
   ROOMWISE_CHECK_OK(move_to(found, path));

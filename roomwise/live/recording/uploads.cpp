@@ -88,7 +88,8 @@ Expected<Upload> Uploads::read(const std::string& id) const {
   service::Members members(json);
   Upload upload{id, members.text("name"),
                 static_cast<std::uint64_t>(members.whole("bytes", 1, service::kMaxWhole)), 0};
-  if (members.error()) return Unexpected(Error(*members.error()).in(facts_of(id).string()));
+  if (members.error())
+    return Unexpected(Error(*members.error()).with_context(facts_of(id).string()));
   const auto there = fs::file_size(file_of(id), error);
   if (!error) upload.offset = std::min<std::uint64_t>(there, upload.bytes);
   return upload;

@@ -52,7 +52,7 @@ Json thing_json(const guide::KnownThing& thing) {
           {"size", json_of(thing.size_m())},
           {"keyframe", thing.keyframe_id},
           {"by_hand", thing.is_confirmed},
-          {"added", thing.added_by != 0},
+          {"added", thing.added_by_edit != 0},
           {"note", thing.note},
           {"box", {box.left, box.top, box.right - box.left, box.bottom - box.top}}};
 }

@@ -50,7 +50,7 @@ class ThingPlacer {
     guide::KnownThing thing;
     thing.name = stored.name;
     thing.probability = 1;
-    thing.is_own = true;
+    thing.is_taught = true;
     if (seen.seen_s) thing.seen = calendar_time(*seen.seen_s * 1'000'000'000);
     thing.room = seen.room;
     const auto keyframe = seen.keyframe ? keyframes_.find(*seen.keyframe) : keyframes_.end();
@@ -67,7 +67,7 @@ class ThingPlacer {
   [[nodiscard]] guide::KnownThing known_thing(const pipeline::HomeThing& one) const {
     guide::KnownThing thing = known_thing(one, one.room);
     thing.note = one.note;
-    thing.added_by = one.added_by;
+    thing.added_by_edit = one.added_by_edit;
     thing.is_confirmed = one.is_confirmed;
     return thing;
   }
@@ -117,7 +117,7 @@ Expected<void> view_things(const home::Home& home, const pipeline::HomeThings& t
   const ThingPlacer placer(view);
   for (const pipeline::HomeThing& instance : things.things) {
     guide::KnownThing thing = placer.known_thing(instance);
-    if (instance.added_by != 0) {
+    if (instance.added_by_edit != 0) {
       thing.seen = std::nullopt;  // no walk saw it
     } else if (const pipeline::ThingHistory* told = history.of(instance)) {
       thing.seen = calendar_time(told->last_seen.time_ns);
@@ -275,13 +275,13 @@ std::int64_t thing_id(const objects::Instance& instance) {
 }
 
 std::int64_t thing_id(const pipeline::HomeThing& thing) {
-  if (thing.added_by == 0) return thing_id(static_cast<const objects::Instance&>(thing));
-  return number_of(fmt::format("added {}", thing.added_by));
+  if (thing.added_by_edit == 0) return thing_id(static_cast<const objects::Instance&>(thing));
+  return number_of(fmt::format("added {}", thing.added_by_edit));
 }
 
 std::int64_t thing_id(const guide::KnownThing& thing) {
-  if (thing.added_by == 0) return thing_id(static_cast<const objects::Instance&>(thing));
-  return number_of(fmt::format("added {}", thing.added_by));
+  if (thing.added_by_edit == 0) return thing_id(static_cast<const objects::Instance&>(thing));
+  return number_of(fmt::format("added {}", thing.added_by_edit));
 }
 
 std::set<home::RecordingId> HomeView::walks_taken_away() const {

@@ -174,7 +174,8 @@ Expected<PoseGraph> read_g2o(const std::filesystem::path& path) {
     const std::string_view line = rest.substr(0, rest.find('\n'));
     rest.remove_prefix(std::min(line.size() + 1, rest.size()));
     if (auto read = reader.read_line(number, line); !read) {
-      return Unexpected(std::move(read).error().in(fmt::format("{}:{}", path.string(), number)));
+      return Unexpected(
+          std::move(read).error().with_context(fmt::format("{}:{}", path.string(), number)));
     }
   }
   auto graph = std::move(reader).complete();

@@ -60,10 +60,10 @@ Expected<EightBitFile> file_of(const Json& json) {
   if (!json.contains("ranges") || !json.at("ranges").is_object())
     return fail("ranges: expected {{ layer: [least, largest], ... }}");
   for (const auto& item : json.at("ranges").items()) {
-    ROOMWISE_TRY(file.ranges.of_layers[item.key()],
-                 range_of(item.value()).map_error([&](Error error) {
-                   return std::move(error).in(fmt::format("ranges: layer \"{}\"", item.key()));
-                 }));
+    ROOMWISE_TRY(
+        file.ranges.of_layers[item.key()], range_of(item.value()).map_error([&](Error error) {
+          return std::move(error).with_context(fmt::format("ranges: layer \"{}\"", item.key()));
+        }));
   }
   return file;
 }
@@ -81,7 +81,8 @@ std::string name_in_eight_bits(const std::string& network) {
 Expected<EightBitFile> parse_eight_bit_file(std::string_view json, const std::string& origin) {
   const Json parsed = Json::parse(json, nullptr, false);
   if (!parsed.is_object()) return fail("{}: is not JSON that says how 8 bits are used", origin);
-  return file_of(parsed).map_error([&](Error error) { return std::move(error).in(origin); });
+  return file_of(parsed).map_error(
+      [&](Error error) { return std::move(error).with_context(origin); });
 }
 
 Expected<EightBitFile> read_eight_bit_file(const std::filesystem::path& file) {

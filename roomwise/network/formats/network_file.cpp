@@ -116,10 +116,10 @@ Expected<NetworkFile> read_in_eight_bits(const std::filesystem::path& path,
   }
   ROOMWISE_TRY(NetworkFile file,
                read_network_in_floats(weights, labels).map_error([&](Error error) {
-                 return std::move(error).in(path.string());
+                 return std::move(error).with_context(path.string());
                }));
   return in_eight_bits(std::move(file), std::move(how)).map_error([&](Error error) {
-    return std::move(error).in(path.string());
+    return std::move(error).with_context(path.string());
   });
 }
 
@@ -164,7 +164,7 @@ Expected<NetworkFile> read_network_in_floats(const std::filesystem::path& weight
     return fail("{}: is for looking at whole pictures in 8 bits; give the network's own file here",
                 weights.string());
   }
-  const auto in_file = [&](Error error) { return std::move(error).in(weights.string()); };
+  const auto in_file = [&](Error error) { return std::move(error).with_context(weights.string()); };
   NetworkFile file;
   ROOMWISE_TRY(const Bytes bytes, read_file(weights));
   ROOMWISE_TRY(file.card, find_model_card(weights));

@@ -120,10 +120,10 @@ class CheckpointReader {
     for (std::size_t i = 0; i + 1 < dictionary->items.size(); i += 2) {
       const PickleValue& key = value(dictionary->items[i]);
       if (key.kind != Kind::kText) return fail("has a key in its state dict that is no text");
-      ROOMWISE_TRY(Constant tensor,
-                   tensor_of(value(dictionary->items[i + 1])).map_error([&](Error error) {
-                     return std::move(error).in(fmt::format("its tensor \"{}\"", key.text));
-                   }));
+      ROOMWISE_TRY(
+          Constant tensor, tensor_of(value(dictionary->items[i + 1])).map_error([&](Error error) {
+            return std::move(error).with_context(fmt::format("its tensor \"{}\"", key.text));
+          }));
       weights[key.text] = std::make_shared<const Constant>(std::move(tensor));
     }
     return weights;

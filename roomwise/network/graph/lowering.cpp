@@ -219,7 +219,7 @@ Expected<void> Lowering::lower_node(const Node& node) {
   node_ = node.name.empty() && !node.outputs.empty() ? node.outputs.front() : node.name;
   const std::string who =
       fmt::format("node \"{}\" ({}, opset {})", node_, node.operation, graph_.opset);
-  const auto in_node = [&](Error error) { return std::move(error).in(who); };
+  const auto in_node = [&](Error error) { return std::move(error).with_context(who); };
   if (node.domain.empty() || node.domain == "ai.onnx") {
     for (const OperatorTable* table :
          {&layer_operators(), &product_operators(), &shape_operators(), &constant_operators()}) {

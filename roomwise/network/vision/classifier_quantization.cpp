@@ -29,7 +29,7 @@ std::string how_near(const QuantizedClassifier& quantized, const ClassifierOutpu
 Expected<QuantizedClassifier> quantize_classifier(const std::filesystem::path& weights,
                                                   std::size_t pictures, const PictureAt& picture,
                                                   std::size_t threads, const RunsDone& runs_done) {
-  const auto in_file = [&](Error error) { return std::move(error).in(weights.string()); };
+  const auto in_file = [&](Error error) { return std::move(error).with_context(weights.string()); };
   ROOMWISE_TRY(const NetworkFile file, read_network_in_floats(weights));
   if (file.card.task != Task::kClassify)
     return fail(

@@ -7,7 +7,7 @@ namespace roomwise::network {
 
 Expected<std::unique_ptr<Detector>> Detector::load(
     const std::filesystem::path& weights, const std::optional<std::filesystem::path>& labels) {
-  const auto in_file = [&](Error error) { return std::move(error).in(weights.string()); };
+  const auto in_file = [&](Error error) { return std::move(error).with_context(weights.string()); };
   ROOMWISE_TRY(NetworkFile file, read_network_in_floats(weights, labels));
   if (!finds_things(file.card.task)) {
     return fail(

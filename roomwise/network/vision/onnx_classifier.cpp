@@ -67,7 +67,7 @@ Expected<std::unique_ptr<OnnxClassifier>> OnnxClassifier::load(
 
 Expected<std::unique_ptr<OnnxClassifier>> OnnxClassifier::create(
     NetworkFile file, const std::filesystem::path& weights) {
-  const auto in_file = [&](Error error) { return std::move(error).in(weights.string()); };
+  const auto in_file = [&](Error error) { return std::move(error).with_context(weights.string()); };
   if (finds_things(file.card.task)) {
     return fail(
         "{}: finds things in pictures, by its card; here a network is wanted that looks at whole "

@@ -77,7 +77,7 @@ double similarity(const Embedding& a, const Embedding& b) {
 Expected<std::unique_ptr<OpenVocabulary>> OpenVocabulary::load(
     const std::filesystem::path& pictures) {
   const auto in = [](const std::filesystem::path& file) {
-    return [&file](Error error) { return std::move(error).in(file.string()); };
+    return [&file](Error error) { return std::move(error).with_context(file.string()); };
   };
   ROOMWISE_TRY(NetworkFile file, read_network_in_floats(pictures));
   if (!file.card.text) {
@@ -158,7 +158,7 @@ Expected<Embedding> OpenVocabulary::embed_text(std::string_view text) const {
     }
   }
   return only_output(*texts_, inputs).and_then(of_length_one).map_error([&](Error error) {
-    return std::move(error).in(card.network);
+    return std::move(error).with_context(card.network);
   });
 }
 

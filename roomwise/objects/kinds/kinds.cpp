@@ -101,7 +101,8 @@ Expected<std::vector<Kind>> parse_kinds(std::string_view text) {
     for (const json& row : parsed.at("kinds")) {
       const Kind& kind = kinds.emplace_back(kind_of(row));
       if (auto checked = check_fields(row); !checked) {
-        return Unexpected(std::move(checked).error().in(fmt::format("kind \"{}\"", kind.name)));
+        return Unexpected(
+            std::move(checked).error().with_context(fmt::format("kind \"{}\"", kind.name)));
       }
       if (kind.is_moved_about && kind.is_fixed) {
         return fail("kind \"{}\": moves and is fixed; expected one of both at most", kind.name);
@@ -148,7 +149,7 @@ const StayTimes& stay_times() {
   return times;
 }
 
-double still_there(std::string_view name, double days) {
+double probability_still_there(std::string_view name, double days) {
   const Kind* const kind = find_kind(name);
   const StayTimes& times = stay_times();
   const double mean_days = kind != nullptr && kind->is_moved_about ? times.carried_days

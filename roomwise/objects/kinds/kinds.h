@@ -66,7 +66,7 @@ struct StayTimes {
 // The probability that a thing of that name stands still where it stood some days (0 at least) ago,
 // if things are moved at a constant rate: exp(-days / mean time). What nobody knows is taken for
 // furniture.
-[[nodiscard]] double still_there(std::string_view name, double days);
+[[nodiscard]] double probability_still_there(std::string_view name, double days);
 
 // By name. Fails, naming the row, where a field is of another type or unknown, sizes are not
 // positive and in order, or two rows have one name.

@@ -46,11 +46,12 @@ TEST(Kinds, KnowHowLargeThingsAre) {
 }
 
 TEST(Kinds, WhatIsCarriedAboutIsSoonElsewhereAndWhatIsFixedStays) {
-  EXPECT_DOUBLE_EQ(still_there("cup", 0), 1);
-  EXPECT_NEAR(still_there("cup", stay_times().carried_days), std::exp(-1), 1e-12);
-  EXPECT_NEAR(still_there("sofa", stay_times().furniture_days), std::exp(-1), 1e-12);
-  EXPECT_GT(still_there("toilet", 365), still_there("sofa", 365));
-  EXPECT_DOUBLE_EQ(still_there("dragon", 30), still_there("sofa", 30)) << "nobody knows";
+  EXPECT_DOUBLE_EQ(probability_still_there("cup", 0), 1);
+  EXPECT_NEAR(probability_still_there("cup", stay_times().carried_days), std::exp(-1), 1e-12);
+  EXPECT_NEAR(probability_still_there("sofa", stay_times().furniture_days), std::exp(-1), 1e-12);
+  EXPECT_GT(probability_still_there("toilet", 365), probability_still_there("sofa", 365));
+  EXPECT_DOUBLE_EQ(probability_still_there("dragon", 30), probability_still_there("sofa", 30))
+      << "nobody knows";
 }
 
 TEST(Kinds, ASizeIsMostProbableNearTheUsualOne) {

@@ -11,8 +11,9 @@ namespace {
 Expected<void> check_is_there(const home::Home& home, const HomeThing& thing) {
   ROOMWISE_TRY(const HomeThings now, find_home_things(home));
   const bool is_there = std::ranges::any_of(now.things, [&](const HomeThing& one) {
-    return one.added_by == thing.added_by && one.name == thing.name && one.visit == thing.visit &&
-           one.keyframe_id == thing.keyframe_id && one.picture_box.left == thing.picture_box.left &&
+    return one.added_by_edit == thing.added_by_edit && one.name == thing.name &&
+           one.visit == thing.visit && one.keyframe_id == thing.keyframe_id &&
+           one.picture_box.left == thing.picture_box.left &&
            one.picture_box.top == thing.picture_box.top &&
            one.box_keyframe.center() == thing.box_keyframe.center();
   });
@@ -26,7 +27,7 @@ StoredEdit edit_of(EditKind kind, const EditAuthor& author, const HomeThing& thi
   edit.change.old_name = thing.name;
   edit.places.push_back(place_of(thing));
   edit.places.back().name = thing.found_as;
-  if (thing.added_by != 0) edit.change.thing = thing.added_by;
+  if (thing.added_by_edit != 0) edit.change.thing = thing.added_by_edit;
   return edit;
 }
 
@@ -99,7 +100,8 @@ Expected<home::EditId> merge_things(home::Home& home, const EditAuthor& author,
   ROOMWISE_CHECK_OK(check_is_there(home, twin));
   StoredEdit edit = edit_of(EditKind::kMergeThings, author, kept);
   const StoredEdit other = edit_of(EditKind::kMergeThings, author, twin);
-  const bool is_same = kept.added_by == twin.added_by && kept.keyframe_id == twin.keyframe_id &&
+  const bool is_same = kept.added_by_edit == twin.added_by_edit &&
+                       kept.keyframe_id == twin.keyframe_id &&
                        kept.box_keyframe.center() == twin.box_keyframe.center();
   if (is_same) return fail("the {} cannot be its own double", kept.name);
   edit.change.name = twin.name;

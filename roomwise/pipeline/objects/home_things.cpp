@@ -111,7 +111,7 @@ class Overlay {
     if (!found) {
       thing.keyframe_id = *place.keyframe;
       thing.box_keyframe = place.box_keyframe;
-      thing.added_by = edit.id;
+      thing.added_by_edit = edit.id;
       if (!edit.change.room.empty()) thing.room = edit.change.room;
     }
     thing.note = edit.change.note;
@@ -162,7 +162,7 @@ class Overlay {
     }
     for (std::size_t i = 0; i < works_.size(); ++i) {
       const HomeThing& one = works_[i].thing;
-      if (one.added_by == 0 && place.keyframe == one.keyframe_id && one.visit == 0 &&
+      if (one.added_by_edit == 0 && place.keyframe == one.keyframe_id && one.visit == 0 &&
           !is_same_picture(place.picture_box, {}) &&
           is_same_picture(place.picture_box, one.picture_box)) {
         return std::optional(i);
@@ -207,7 +207,8 @@ class Overlay {
     std::vector<PlacedInstance> standing;
     for (std::size_t i = 0; i < works_.size(); ++i) {
       const HomeThing& one = works_[i].thing;
-      if (but == i || one.added_by != 0 || component_of(one.keyframe_id) != component) continue;
+      if (but == i || one.added_by_edit != 0 || component_of(one.keyframe_id) != component)
+        continue;
       if (!works_[i].is_there && !by_name) continue;
       at.push_back(i);
       standing.push_back(placed(one, by_name ? one.found_as : place.name));

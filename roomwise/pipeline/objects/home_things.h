@@ -17,9 +17,9 @@ struct HomeThing : objects::Instance {
   std::string note;  // to be spoken with it; may be empty
   // Where people put it; the floor, where it shows whose it is, tells it better.
   std::optional<std::string> room;
-  home::EditId added_by = 0;  // the change that added it; 0: programs found it
-  bool is_confirmed = false;  // somebody who was there says so
-  std::string found_as;       // what programs call it; empty of what people added
+  home::EditId added_by_edit = 0;  // the change that added it; 0: programs found it
+  bool is_confirmed = false;       // somebody who was there says so
+  std::string found_as;            // what programs call it; empty of what people added
 };
 
 // What walks or visits found gone, and somebody changed when it was there.

@@ -230,7 +230,7 @@ TEST_F(HomeThingsOfWalks, WhatSomebodyAddedIsCertainAndHasItsNote) {
   EXPECT_EQ(thing().probability, 1);
   EXPECT_EQ(thing().note, "hot");
   EXPECT_EQ(thing().room, "kitchen");
-  EXPECT_EQ(thing().added_by, 1);
+  EXPECT_EQ(thing().added_by_edit, 1);
   EXPECT_LT((middle(thing()) - Eigen::Vector3d(0.5, 0.1, 1)).norm(), 1e-9);
   ASSERT_OK(rename_thing(*home_, kAnna, thing(), "pot"));
   EXPECT_THAT(names(), ElementsAre("pot"));
@@ -268,7 +268,7 @@ TEST_F(HomeThingsOfWalks, WhatSomebodyAddedIsOneWithWhatALaterWalkFindsThere) {
   walk(kBox);
   ASSERT_THAT(names(), ElementsAre("sofa")) << "not twice";
   EXPECT_EQ(thing().note, "new cover");
-  EXPECT_EQ(thing().added_by, 0) << "a picture shows it now";
+  EXPECT_EQ(thing().added_by_edit, 0) << "a picture shows it now";
 }
 
 TEST_F(HomeThingsOfWalks, WhatSomebodyMovedStaysThereAndIsOneWithWhatALaterWalkFindsThere) {

@@ -63,7 +63,7 @@ Expected<std::vector<objects::PreparedThing>> prepare_all(const home::Home& home
     auto one = finder.prepare(views);
     if (!one) {
       // By number: its name may be its owner's alone, and this stands in logs.
-      return Unexpected(std::move(one).error().in(fmt::format(
+      return Unexpected(std::move(one).error().with_context(fmt::format(
           "{}: taught thing {}, which can be forgotten and taught anew", home.file(), thing.id)));
     }
     prepared.push_back(*std::move(one));

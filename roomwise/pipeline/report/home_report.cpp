@@ -62,7 +62,7 @@ Expected<std::vector<ShownObject>> shown_objects(const home::Home& home) {
                                                       instance.box_keyframe.center(),
                                                       {}});
     one.put_in = instance.room;
-    if (instance.visit == 0 && instance.added_by == 0) {
+    if (instance.visit == 0 && instance.added_by_edit == 0) {
       one.picture_box = {Eigen::Vector2f(box.left, box.top),
                          Eigen::Vector2f(box.right, box.bottom)};
     }

@@ -31,7 +31,7 @@ Expected<void> go_on_without(const home::Home& home, home::KeyframeId id, Error 
   if (is_of_all) return Unexpected(std::move(why));
   const std::string file = home.file() + ": ";
   if (why.message.starts_with(file)) why.message.erase(0, file.size());  // it is named but once
-  Error named = std::move(why).in(fmt::format("{}key-frame {}", file, id));
+  Error named = std::move(why).with_context(fmt::format("{}key-frame {}", file, id));
   if (lost == nullptr) return Unexpected(std::move(named));
   return lost->note(id, named);
 }

@@ -139,7 +139,7 @@ Expected<std::string> why_rooms_cannot_be_refreshed(const home::Home& home) {
   ROOMWISE_TRY(const auto record, home.room_classifier());
   if (!record) return "no rooms were learned yet; learn them: roomwise rooms learn";
   const auto classifier = rooms::RoomClassifier::from_bytes(record->classifier);
-  if (!classifier) return Unexpected(Error(classifier.error()).in(home.file()));
+  if (!classifier) return Unexpected(Error(classifier.error()).with_context(home.file()));
   return std::string();
 }
 

@@ -90,7 +90,7 @@ Expected<Trajectory> read_traj(const fs::path& file, std::vector<std::string>& n
     }
     auto pose = parse_traj_line(line);
     const std::string place = fmt::format("{}:{}", file.string(), line.number);
-    if (!pose) return Unexpected(std::move(pose).error().in(place));
+    if (!pose) return Unexpected(std::move(pose).error().with_context(place));
     if (!trajectory.empty() && pose->timestamp_ns <= trajectory.back().timestamp_ns) {
       return fail("{}: its time is not after that of the line before", place);
     }
@@ -140,7 +140,7 @@ Expected<std::unique_ptr<Recording>> open_arkitscenes_folder(const fs::path& fol
   ROOMWISE_TRY(const auto cameras, timed_files(folder / (which + "_intrinsics"), ".pincam"));
   ROOMWISE_TRY(const auto depths, timed_files(folder / "lowres_depth", ".png"));
   PhoneListing listing{"ARKitScenes", recording_name(folder), {}, {}};
-  listing.poses_are_motion = true;  // ARKit's
+  listing.poses_are_device_motion = true;  // ARKit's
   for (const auto& [time, color] : colors) {
     const fs::path pincam = nearest(cameras, time);
     const auto camera = pincam.empty() ? fail("{}: has no .pincam of its time in {}_intrinsics",

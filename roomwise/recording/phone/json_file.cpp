@@ -79,7 +79,7 @@ Expected<FrameFacts> read_frame_facts(const std::filesystem::path& path,
                                       Expected<FrameFacts> (*facts_of)(const json&)) {
   ROOMWISE_TRY(const json object, read_json_file(path));
   ROOMWISE_TRY(FrameFacts facts, in_context(path.string(), facts_of(object)));
-  facts.personal = personal_facts_of_json(object);
+  facts.personal = personal_data_of_json(object);
   return facts;
 }
 

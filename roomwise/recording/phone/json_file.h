@@ -10,7 +10,7 @@
 #include "roomwise/base/timestamp.h"
 #include "roomwise/geometry/pinhole_camera.h"
 #include "roomwise/geometry/rigid_transform.h"
-#include "roomwise/image/personal_facts.h"
+#include "roomwise/image/personal_data.h"
 
 namespace roomwise::recording {
 
@@ -35,7 +35,7 @@ struct FrameFacts {
   TimestampNs timestamp_ns = 0;
   geometry::PinholeCamera camera;
   geometry::RigidTransform world_from_camera;
-  image::PersonalFacts personal;
+  image::PersonalData personal;
 };
 // `facts_of` reads them from the file's object. Fails, naming the file, where it has more than a
 // MiB or is no JSON, and as `facts_of` does.

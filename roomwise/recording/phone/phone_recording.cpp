@@ -69,9 +69,9 @@ Expected<void> keep_whole_pictures(PhoneListing& listing) {
   return {};
 }
 
-image::PersonalFacts facts_of_pictures(const PhoneListing& listing) {
+image::PersonalData facts_of_pictures(const PhoneListing& listing) {
   if (listing.read_color) return {};
-  return personal_facts_of_some(listing.pictures.size(), [&](std::size_t place) {
+  return personal_data_of_some(listing.pictures.size(), [&](std::size_t place) {
     return read_file(listing.pictures[place].color);
   });
 }
@@ -131,7 +131,7 @@ Expected<std::unique_ptr<Recording>> PhoneRecording::open(PhoneListing listing,
   contents.info.left_out |= facts_of_pictures(listing);
   contents.damaged = listing.damaged;
   note_depth(contents);
-  contents.poses_are_motion = listing.poses_are_motion;
+  contents.poses_are_device_motion = listing.poses_are_device_motion;
   contents.device_up = listing.device_up;
   contents.reads_in_order = listing.read_color != nullptr;
   return std::unique_ptr<Recording>(

@@ -26,8 +26,8 @@ struct PhoneListing {
   Trajectory device_poses;
   std::vector<DamagedFrame> damaged = {};  // in the order of their indices
   std::vector<std::string> notes = {};     // see RecordingContents
-  image::PersonalFacts left_out = {};      // of all but the pictures
-  bool poses_are_motion = false;           // see RecordingContents
+  image::PersonalData left_out = {};       // of all but the pictures
+  bool poses_are_device_motion = false;    // see RecordingContents
   std::optional<Eigen::Vector3d> device_up = std::nullopt;
   // What a depth image has where nothing was measured, besides 0.
   std::uint16_t no_depth = 0;

@@ -58,7 +58,7 @@ Expected<std::unique_ptr<Recording>> open_polycam_folder(const fs::path& folder,
   PhoneListing listing{"Polycam, raw data", recording_name(folder), {}, {}};
   listing.device_up = kArkitUp;
   // Corrected ones were adjusted to the pictures afterwards.
-  listing.poses_are_motion = !is_corrected;
+  listing.poses_are_device_motion = !is_corrected;
   for (const auto& [microseconds, image] : images) {
     constexpr std::uint64_t kLatest = 1ULL << 53U;
     if (microseconds > kLatest) return fail("{}: its name is no time", image.string());
@@ -78,7 +78,7 @@ Expected<std::unique_ptr<Recording>> open_polycam_folder(const fs::path& folder,
     listing.device_poses.push_back({timestamp_ns, facts->world_from_camera});
     listing.left_out |= facts->personal;
   }
-  listing.left_out |= personal_facts_of_json_file(folder / "mesh_info.json");
+  listing.left_out |= personal_data_of_json_file(folder / "mesh_info.json");
   const auto lost = std::ranges::count_if(
       cameras, [&](const auto& camera) { return !images.contains(camera.first); });
   if (lost > 0) {

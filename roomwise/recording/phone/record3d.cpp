@@ -34,7 +34,7 @@ struct Record3dFacts {
   std::map<std::size_t, Record3dFrame> frames;  // that have a picture, by their numbers
   std::vector<DamagedFrame> damaged;
   std::vector<std::string> notes;
-  image::PersonalFacts left_out;
+  image::PersonalData left_out;
 };
 
 Expected<int> side_of(const Json& json, const char* key, int max) {
@@ -159,7 +159,7 @@ Expected<Record3dFacts> facts_from(const Json& json, const Record3dFiles& files)
     facts.notes.push_back(
         fmt::format("{} of {} frames have no picture; were all copied?", lacking, listed));
   }
-  facts.left_out = personal_facts_of_json(json);
+  facts.left_out = personal_data_of_json(json);
   return facts;
 }
 
@@ -241,7 +241,7 @@ Expected<std::unique_ptr<Recording>> open_record3d_files(std::unique_ptr<Record3
   contents.notes = facts.notes;
   contents.kind = files->kind();
   contents.info.name = recording_name(files->path());
-  contents.poses_are_motion = true;
+  contents.poses_are_device_motion = true;
   contents.device_up = kArkitUp;
   std::vector<PinholeCamera> cameras;
   for (const auto& [i, frame] : facts.frames) {
@@ -255,7 +255,7 @@ Expected<std::unique_ptr<Recording>> open_record3d_files(std::unique_ptr<Record3
     return fail("{}: no picture has a depth image", path);
   }
   contents.info.left_out = facts.left_out;
-  contents.info.left_out |= personal_facts_of_some(contents.pictures.size(), [&](std::size_t i) {
+  contents.info.left_out |= personal_data_of_some(contents.pictures.size(), [&](std::size_t i) {
     return files->read_color(contents.pictures[i].index);
   });
   contents.info.camera = common_camera(cameras, kMaxRecord3dSide_px);

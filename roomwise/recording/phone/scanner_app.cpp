@@ -94,7 +94,7 @@ Expected<std::unique_ptr<Recording>> open_scanner_app_export(const fs::path& fol
   ROOMWISE_TRY(const auto depths, numbered_files(folder, "depth_", ".png"));
   const AllFacts facts = read_all_facts(json);
   PhoneListing listing{"3D Scanner App, All Data", recording_name(folder), {}, {}};
-  listing.poses_are_motion = true;  // ARKit's
+  listing.poses_are_device_motion = true;  // ARKit's
   listing.device_up = kArkitUp;
   for (const auto& [number, file] : colors) {
     const auto of_frame = facts.of_frame.find(number);
@@ -114,7 +114,7 @@ Expected<std::unique_ptr<Recording>> open_scanner_app_export(const fs::path& fol
     listing.device_poses.push_back({of_frame.timestamp_ns, of_frame.world_from_camera});
     listing.left_out |= of_frame.personal;
   }
-  listing.left_out |= personal_facts_of_json_file(folder / "info.json");
+  listing.left_out |= personal_data_of_json_file(folder / "info.json");
   note_lost_poses(facts, colors, listing);
   return PhoneRecording::open(std::move(listing), options);
 }

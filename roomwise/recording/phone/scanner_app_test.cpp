@@ -223,9 +223,9 @@ TEST_F(ScannerAppFolder, SaysHowManyPosesOfNoPictureAreLost) {
 }
 
 TEST_F(ScannerAppFolder, SaysThatItTellsWhereItWasRecorded) {
-  EXPECT_EQ(open().value()->info().left_out, (image::PersonalFacts{true, false, false}));
+  EXPECT_EQ(open().value()->info().left_out, (image::PersonalData{true, false, false}));
   EXPECT_OK(write_file(folder_ / "info.json", std::string_view(R"({"deviceName": "Jane's"})")));
-  EXPECT_EQ(open().value()->info().left_out, (image::PersonalFacts{true, true, false}));
+  EXPECT_EQ(open().value()->info().left_out, (image::PersonalData{true, true, false}));
 }
 
 TEST_F(ScannerAppFolder, NamesThePictureThatCannotBeRead) {

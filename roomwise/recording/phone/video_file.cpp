@@ -235,8 +235,8 @@ std::size_t VideoFile::size() const {
   return stream_->pictures.size();
 }
 
-image::PersonalFacts VideoFile::personal_facts() const {
-  image::PersonalFacts facts;
+image::PersonalData VideoFile::personal_data() const {
+  image::PersonalData facts;
   const AVDictionaryEntry* entry = nullptr;
   while ((entry = av_dict_get(stream_->format->metadata, "", entry, AV_DICT_IGNORE_SUFFIX))) {
     const std::string_view key = entry->key;

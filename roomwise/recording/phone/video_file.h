@@ -5,7 +5,7 @@
 
 #include "roomwise/base/expected.h"
 #include "roomwise/image/image.h"
-#include "roomwise/image/personal_facts.h"
+#include "roomwise/image/personal_data.h"
 
 namespace roomwise::recording {
 
@@ -24,7 +24,7 @@ class VideoFile {
 
   [[nodiscard]] std::size_t size() const;
   // What the file says besides its pictures.
-  [[nodiscard]] image::PersonalFacts personal_facts() const;
+  [[nodiscard]] image::PersonalData personal_data() const;
   // place < size(). Fails where it is damaged. Thread-safe, one at a time.
   [[nodiscard]] Expected<image::ColorImage> read(std::size_t place);
 

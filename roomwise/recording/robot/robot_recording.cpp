@@ -71,7 +71,7 @@ class RobotRecording final : public Recording {
   [[nodiscard]] Expected<Value> named(Expected<Value> value, const ImageStream& stream,
                                       const MessagePlace& message) const {
     if (value) return value;
-    return Unexpected(std::move(value).error().in(
+    return Unexpected(std::move(value).error().with_context(
         fmt::format("{}: {} at {} s", log_->path().string(), stream.topic,
                     format_timestamp(message.timestamp_ns))));
   }
@@ -175,11 +175,11 @@ bool tells_place(const Channel& channel) {
       [&](const char* type) { return channel.type_name.find(type) != std::string::npos; });
 }
 
-image::PersonalFacts personal_facts_of(const MessageLog& log, const ImageStream& color,
-                                       const TimedMessages& colors) {
-  image::PersonalFacts facts;
+image::PersonalData personal_data_of(const MessageLog& log, const ImageStream& color,
+                                     const TimedMessages& colors) {
+  image::PersonalData facts;
   if (color.is_compressed) {
-    facts = personal_facts_of_some(colors.messages.size(), [&](std::size_t i) -> Expected<Bytes> {
+    facts = personal_data_of_some(colors.messages.size(), [&](std::size_t i) -> Expected<Bytes> {
       ROOMWISE_TRY(const Bytes bytes, log.read(*colors.messages[i]));
       ROOMWISE_TRY(CompressedImageMessage one,
                    decode_compressed_image(log.channels()[color.channel], bytes));
@@ -222,8 +222,8 @@ Expected<std::unique_ptr<Recording>> open_log(std::string kind, MessageLog whole
     return fail("no image of {} has one of {} within {} s", pair.color.topic, pair.depth.topic,
                 static_cast<double>(options.tolerance_ns) * kSecondsPerNs);
   }
-  contents.info.left_out = personal_facts_of(*log, pair.color, colors);
-  contents.poses_are_motion = are_odometry(tree, pair.color.frame);
+  contents.info.left_out = personal_data_of(*log, pair.color, colors);
+  contents.poses_are_device_motion = are_odometry(tree, pair.color.frame);
   contents.device_poses = find_device_poses(*log, tree, pair.color.frame, colors.times);
   return std::unique_ptr<Recording>(new RobotRecording(std::move(contents), log, std::move(pair),
                                                        camera, std::move(colors),

@@ -84,7 +84,7 @@ Expected<void> check(const SensHead& head) {
   }
   for (const PinholeCamera* camera : {&head.color, &head.depth}) {
     if (auto valid = camera->validate(); !valid) {
-      return Unexpected(std::move(valid).error().in("its camera"));
+      return Unexpected(std::move(valid).error().with_context("its camera"));
     }
     if (pixels_of(*camera) > static_cast<std::size_t>(image::kMaxPixels)) {
       return fail("its camera claims {}x{} pixels", camera->width, camera->height);
@@ -122,7 +122,7 @@ Expected<SensHead> read_head(const RandomAccessFile& file) {
   head.frame_count = reader.number<std::uint64_t>();
   head.first_frame = begin + kSensHeadBytes;
   if (auto fine = check(head); !fine) {
-    return Unexpected(std::move(fine).error().in(file.path().string()));
+    return Unexpected(std::move(fine).error().with_context(file.path().string()));
   }
   if (!is_identity(color_place) || !is_identity(depth_place)) {
     return fail(
@@ -252,7 +252,7 @@ class SensRecording final : public Recording {
   template <typename Value>
   [[nodiscard]] Expected<Value> named(Expected<Value> value, const RecordedPicture& picture) const {
     if (value) return value;
-    return Unexpected(std::move(value).error().in(describe(picture)));
+    return Unexpected(std::move(value).error().with_context(describe(picture)));
   }
 
   [[nodiscard]] Expected<image::RgbdFrame> read_frame(
@@ -309,7 +309,7 @@ Expected<std::unique_ptr<Recording>> open_sens_recording(const std::filesystem::
                     head.frame_count));
   }
   give_times(frames, contents.notes);
-  contents.info.left_out = personal_facts_of_some(frames.size(), [&](std::size_t i) {
+  contents.info.left_out = personal_data_of_some(frames.size(), [&](std::size_t i) {
     return file.read(frames[i].offset, frames[i].color_size);
   });
   for (std::size_t i = 0; i < frames.size(); ++i) {

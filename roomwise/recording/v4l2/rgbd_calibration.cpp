@@ -89,7 +89,7 @@ Expected<geometry::PinholeCamera> camera_named(const CalibrationLines& lines, st
   if (n.size() == kWithLens) camera.distortion = {n[6], n[7], n[8], n[9], n[10]};
   camera.depth_units_per_metre = depth_units_per_metre;
   if (auto valid = camera.validate(); !valid) {
-    return Unexpected(std::move(valid).error().in(lines.line_of(name)));
+    return Unexpected(std::move(valid).error().with_context(lines.line_of(name)));
   }
   return camera;
 }

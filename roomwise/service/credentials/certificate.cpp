@@ -219,7 +219,7 @@ Expected<Certificate> own_certificate(const fs::path& folder, const std::vector<
     ROOMWISE_TRY(const KeyedCertificate made, make_own(authority, allowed, now_s));
     ROOMWISE_CHECK_OK(write_files(made, own_file, key_file));
     own = read_files(own_file, key_file);
-    if (!own) return Unexpected(std::move(own).error().in(own_file.string()));
+    if (!own) return Unexpected(std::move(own).error().with_context(own_file.string()));
   }
   X509* const signing = authority.certificate.get();
   ROOMWISE_TRY(const std::string own_pem, pem_of(own->certificate.get()));

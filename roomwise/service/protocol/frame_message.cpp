@@ -95,7 +95,7 @@ Expected<void> read_additions(const OrderedJson& json, FrameMessage& frame) {
   if (const OrderedJson* const depth = part("depth")) {
     Members size(*depth);
     frame.depth_size = read_size(size);
-    if (size.error()) return Unexpected(Error(*size.error()).in("'depth'"));
+    if (size.error()) return Unexpected(Error(*size.error()).with_context("'depth'"));
   }
   if (const OrderedJson* const pose = part("pose")) {
     ROOMWISE_TRY(frame.pose, in_context("'pose'", read_pose(*pose)));
@@ -176,7 +176,7 @@ Expected<FrameMessage> read_frame(std::span<const std::uint8_t> message) {
   }
   const bool has_version = members.has("version");
   const auto version = has_version ? members.whole("version", 1, kHeaderVersion) : 1;
-  if (members.error()) return Unexpected(Error(*members.error()).in(kHeader));
+  if (members.error()) return Unexpected(Error(*members.error()).with_context(kHeader));
   if (version > 1) ROOMWISE_CHECK_OK(in_context(kHeader, read_additions(json, frame)));
   frame.color = images.first(color_bytes);
   frame.depth = images.subspan(color_bytes);
