@@ -59,14 +59,14 @@ Warped warp(image::GrayImage original, const Eigen::Matrix3d& homography, int wi
     }
   }
   Warped warped{image::GrayImage(width, height), homography};
-  cv::Mat target = features::testing::as_matrix(warped.picture);
-  cv::warpPerspective(features::testing::as_matrix(original), target, matrix, target.size(),
+  cv::Mat target = features::testing::mat_view(warped.picture);
+  cv::warpPerspective(features::testing::mat_view(original), target, matrix, target.size(),
                       cv::INTER_CUBIC, cv::BORDER_REFLECT);
   return warped;
 }
 
 image::GrayImage blur(image::GrayImage picture, double sigma_px) {
-  cv::Mat pixels = features::testing::as_matrix(picture);
+  cv::Mat pixels = features::testing::mat_view(picture);
   cv::GaussianBlur(pixels, pixels, {}, sigma_px);
   return picture;
 }

@@ -216,8 +216,8 @@ class Recognition {
     for (std::size_t i = 0; i < home.objects.size(); ++i) {
       const auto kind = std::ranges::find(kKinds, home.objects[i].kind, &Kind::name);
       if (kind == kKinds.end()) continue;
-      ROOMWISE_CHECK_OK(look_at(home, i, static_cast<std::size_t>(kind - kKinds.begin()), seed,
-                                space, *renderer));
+      ROOMWISE_RETURN_IF_ERROR(look_at(home, i, static_cast<std::size_t>(kind - kKinds.begin()),
+                                       seed, space, *renderer));
     }
     return {};
   }
@@ -279,7 +279,7 @@ class Recognition {
       count(kKinds[picture.kind], verdict, by_kind_[picture.kind][column]);
       count(kKinds[picture.kind], verdict, by_model_[{picture.kind, picture.model}][column]);
       if (!options_.pictures.empty()) {
-        ROOMWISE_CHECK_OK(keep(picture, verdict, views[i / 2]));
+        ROOMWISE_RETURN_IF_ERROR(keep(picture, verdict, views[i / 2]));
       }
     }
     return {};
@@ -388,7 +388,7 @@ Expected<void> run(Options options) {
   cv::setNumThreads(1);
   ROOMWISE_TRY(const auto recognition, Recognition::create(options));
   for (std::uint64_t seed = 1; seed <= options.homes; ++seed) {
-    ROOMWISE_CHECK_OK(recognition->look_around(seed));
+    ROOMWISE_RETURN_IF_ERROR(recognition->look_around(seed));
     fmt::print(stderr, "home {} of {}\n", seed, options.homes);
   }
   return recognition->finish();

@@ -51,7 +51,7 @@ Expected<void> measure(const char* file) {
   const auto moved = bent(keyframes);
   ROOMWISE_TRY(pipeline::DenseMap other, pipeline::build_dense_map(home, moved, {}, run));
   const double bent_s = process_cpu_time_s();
-  ROOMWISE_CHECK_OK(other.follow(home, keyframes, run));
+  ROOMWISE_RETURN_IF_ERROR(other.follow(home, keyframes, run));
   const double followed_s = process_cpu_time_s();
   const double moved_count = static_cast<double>((keyframes.size() + 9) / 10);
 

@@ -239,9 +239,9 @@ Expected<Task> read_task(std::span<const char* const> arguments) {
     count = static_cast<std::size_t>(value);
     return {};
   };
-  ROOMWISE_CHECK_OK(take_count(1, task.frames));
-  ROOMWISE_CHECK_OK(take_count(2, task.seed));
-  ROOMWISE_CHECK_OK(take_count(4, task.working_set_mb));
+  ROOMWISE_RETURN_IF_ERROR(take_count(1, task.frames));
+  ROOMWISE_RETURN_IF_ERROR(take_count(2, task.seed));
+  ROOMWISE_RETURN_IF_ERROR(take_count(4, task.working_set_mb));
   if (arguments.size() > 3 && std::string_view(arguments[3]) != "own") {
     ROOMWISE_TRY(task.how.camera, geometry::camera_preset(arguments[3]));
   }

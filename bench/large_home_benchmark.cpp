@@ -228,7 +228,7 @@ home::Recording recording_of(std::string name, std::uint64_t frames) {
 Expected<void> make_home(const fs::path& file, std::uint64_t count) {
   constexpr std::uint64_t kCommit = 50;
   ROOMWISE_TRY(home::Home home, pipeline::create_home(file));
-  ROOMWISE_CHECK_OK(pipeline::store_map_settings(home, {}));
+  ROOMWISE_RETURN_IF_ERROR(pipeline::store_map_settings(home, {}));
   ROOMWISE_TRY(const auto recording, home.add_recording(recording_of("building", count)));
   home::MapCommit step;
   for (std::uint64_t i = 0; i < count; ++i) {
@@ -246,7 +246,7 @@ Expected<void> make_home(const fs::path& file, std::uint64_t count) {
     if ((i + 1) % kCommit != 0 && i + 1 < count) continue;
     step.recording = recording;
     step.next_frame_index = i + 1;
-    ROOMWISE_CHECK_OK(home.commit(step));
+    ROOMWISE_RETURN_IF_ERROR(home.commit(step));
     step = {};
   }
   return {};
@@ -480,7 +480,8 @@ Expected<void> map_further(const fs::path& file, std::uint64_t count, const Task
   ROOMWISE_TRY(home::Home home, home::Home::open(file));
   // Without its floor the first walk is not finished yet; the further one takes it for that.
   ROOMWISE_TRY(const auto recordings, home.recordings());
-  if (!recordings.back().finished) ROOMWISE_CHECK_OK(home.finish_recording(recordings.back().id));
+  if (!recordings.back().finished)
+    ROOMWISE_RETURN_IF_ERROR(home.finish_recording(recordings.back().id));
   ThreadPool pool(1);
   StageClock clock;
   PartsOfWork parts(task.fuses_floor);

@@ -117,7 +117,7 @@ Expected<void> run(int argc, char** argv) {
   if (argc > 2) {
     ROOMWISE_TRY(variants, bench::parse_count(argv[2], kUsage));
   }
-  ROOMWISE_CHECK_OK(time_regression(2000));
+  ROOMWISE_RETURN_IF_ERROR(time_regression(2000));
   const char* data = std::getenv("ROOMWISE_DATA");
   const auto models = network::default_model_folder();
   if (data == nullptr || !models) return fail("set ROOMWISE_DATA and ROOMWISE_MODELS");
@@ -127,9 +127,9 @@ Expected<void> run(int argc, char** argv) {
   if (mkdtemp(pattern.data()) == nullptr) return fail("{}: cannot be made", pattern);
   const Scratch scratch{pattern};
   const fs::path photos = scratch.path / "photos";
-  ROOMWISE_CHECK_OK(link_photos(fs::path(data) / "room_photos" / "train", photos, per_room));
+  ROOMWISE_RETURN_IF_ERROR(link_photos(fs::path(data) / "room_photos" / "train", photos, per_room));
   ROOMWISE_TRY(home::Home home, pipeline::create_home(scratch.path / "photos.home"));
-  ROOMWISE_CHECK_OK(learn_once("first", home, photos, *network, variants));
+  ROOMWISE_RETURN_IF_ERROR(learn_once("first", home, photos, *network, variants));
   return learn_once("again", home, photos, *network, variants);
 }
 

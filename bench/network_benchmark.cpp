@@ -67,7 +67,7 @@ std::string text_of(const Summary& summary) {
 double operations_of(const Program& program) {
   double operations = 0;
   for (const Layer& layer : program.layers) {
-    const auto outputs = static_cast<double>(count_of(program.values[layer.output].shape));
+    const auto outputs = static_cast<double>(element_count(program.values[layer.output].shape));
     if (const auto* convolution = layer.as<Convolution>()) {
       const Constant& weights = *convolution->weights;
       operations += 2 * outputs * static_cast<double>(weights.floats.size()) /
@@ -198,7 +198,7 @@ void measure_two_threads(const Subject& subject, const fs::path& models, int rou
   const OnnxGraph graph = need(read_onnx_graph(bytes_of(subject, models)));
   const ModelCard& card = subject.card;
   Tensor input{{1, 3, card.input_height_px, card.input_width_px}, {}};
-  input.values.resize(count_of(input.shape), 0.25F);
+  input.values.resize(element_count(input.shape), 0.25F);
   ExecutorOptions options;
   const auto alone = need(Executor::create(graph, options));
   options.threads_per_input = 2;

@@ -87,7 +87,7 @@ Run run_once(const mapping::PoseGraph& start, const Way& way) {
   run.cpu_ms = 1000.0 * static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
   run.wall_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - wall).count();
-  run.error = mapping::pose_graph_error(graph);
+  run.error = mapping::pose_graph_chi2(graph);
   return run;
 }
 

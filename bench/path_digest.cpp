@@ -99,10 +99,10 @@ Expected<void> digest(int argc, char** argv) {
     auto found = motion::measure_features(extractor->extract(gray), frame->depth, camera);
     auto view = motion::make_rgbd_pyramid(gray, frame->depth, camera);
     add_measurements(found, view, digests);
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(
         mapper.add_frame(frame->index, frame->timestamp_ns, {std::move(found), std::move(view)}));
   }
-  ROOMWISE_CHECK_OK(add_map(mapper, digests));
+  ROOMWISE_RETURN_IF_ERROR(add_map(mapper, digests));
   digests.pictures.print("pictures, decoded");
   digests.keypoints.print("key-points");
   digests.angles.print("angles of key-points");

@@ -86,24 +86,24 @@ Expected<void> make_home(const std::string& seed, const RoomsOptions& options) {
   fs::create_directories(folder);
   const fs::path home = folder / "day.home";
   const fs::path mapped = folder / "mapped.json";
-  ROOMWISE_CHECK_OK(simulate(seed, folder, studies::kDayWalk));
+  ROOMWISE_RETURN_IF_ERROR(simulate(seed, folder, studies::kDayWalk));
   if (!fs::exists(mapped)) {
     for (const char* suffix : {"", "-wal", "-shm", "-lock"}) fs::remove(home.string() + suffix);
   }
-  ROOMWISE_CHECK_OK(run_once(
+  ROOMWISE_RETURN_IF_ERROR(run_once(
       with_networks({"map", (folder / "day").string(), "--home", home.string()}, options), mapped));
   for (const Walk& walk : kVisits) {
-    ROOMWISE_CHECK_OK(simulate(seed, folder, walk));
+    ROOMWISE_RETURN_IF_ERROR(simulate(seed, folder, walk));
   }
   const Words of_day{"--home", home.string(), "--truth", (folder / "day").string()};
   Words objects{"eval", "objects"};
   std::ranges::copy(of_day, std::back_inserter(objects));
-  ROOMWISE_CHECK_OK(run_once(std::move(objects), folder / "objects.json"));
+  ROOMWISE_RETURN_IF_ERROR(run_once(std::move(objects), folder / "objects.json"));
   for (const Walk& walk : kVisits) {
     if (walk.condition != "moved") continue;
     Words changes{"eval", "changes", "--visit", (folder / walk.name).string()};
     std::ranges::copy(of_day, std::back_inserter(changes));
-    ROOMWISE_CHECK_OK(run_once(std::move(changes), changes_file(folder, walk)));
+    ROOMWISE_RETURN_IF_ERROR(run_once(std::move(changes), changes_file(folder, walk)));
   }
   if (options.is_thinned) fs::remove_all(folder / "day");
   return {};
@@ -114,8 +114,8 @@ Expected<void> make_home(const std::string& seed, const RoomsOptions& options) {
 Expected<json> evaluate_home(std::size_t i, const Words& seeds, const RoomsOptions& options) {
   const fs::path folder = options.folder / seeds[i];
   const std::string home = (folder / "day.home").string();
-  ROOMWISE_CHECK_OK(run_once(with_networks({"rooms", "learn", "--home", home}, options),
-                             folder / "learned.json"));
+  ROOMWISE_RETURN_IF_ERROR(run_once(with_networks({"rooms", "learn", "--home", home}, options),
+                                    folder / "learned.json"));
   Words words = studies::room_trial_words(home, 1);
   for (const Walk& walk : kVisits) {
     words.insert(words.end(), {"--recording", (folder / walk.name).string()});
@@ -131,7 +131,7 @@ Expected<json> evaluate_home(std::size_t i, const Words& seeds, const RoomsOptio
     words.insert(words.end(), {"--unknown", elsewhere.string()});
   }
   const fs::path result = folder / "rooms.json";
-  ROOMWISE_CHECK_OK(run_once(with_networks(std::move(words), options), result));
+  ROOMWISE_RETURN_IF_ERROR(run_once(with_networks(std::move(words), options), result));
   ROOMWISE_TRY(const std::string text, read_text_file(result));
   return json::parse(text);
 }
@@ -314,7 +314,7 @@ Expected<Words> parse_seeds(const std::string& text) {
 
 Expected<void> run(const RoomsOptions& options) {
   ROOMWISE_TRY(const Words seeds, parse_seeds(options.homes));
-  for (const std::string& seed : seeds) ROOMWISE_CHECK_OK(make_home(seed, options));
+  for (const std::string& seed : seeds) ROOMWISE_RETURN_IF_ERROR(make_home(seed, options));
   if (options.is_made_alone) return {};
   std::vector<json> homes;
   for (std::size_t i = 0; i < seeds.size(); ++i) {

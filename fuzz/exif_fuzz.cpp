@@ -10,7 +10,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (orientation < 1 || orientation > 8) __builtin_trap();
   const auto exif = image::exif_lens({data, size});
   if (!exif) return 0;
-  const auto lens = motion::LensEstimate::of_photo(*exif, 640, 480);
-  if (lens && (!lens->camera(640, 480).validate() || !(lens->focal_sigma() > 0))) __builtin_trap();
+  const auto lens = motion::IntrinsicsEstimate::from_exif(*exif, 640, 480);
+  if (lens && (!lens->camera(640, 480).validate() || !(lens->relative_focal_sigma() > 0)))
+    __builtin_trap();
   return 0;
 }

@@ -38,7 +38,7 @@ bool is_little_work(const Program& program) {
     for (const std::int64_t size : value.shape) {
       if (size < 0 || size > static_cast<std::int64_t>(kMaxNumbers)) return false;
     }
-    numbers += count_of(value.shape);
+    numbers += element_count(value.shape);
     if (numbers > kMaxNumbers) return false;
   }
   return true;
@@ -58,7 +58,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (!executor) return 0;
   std::vector<Tensor> inputs;
   for (const Shape& shape : shapes) {
-    inputs.push_back({shape, std::vector<float>(count_of(shape), 0.5F)});
+    inputs.push_back({shape, std::vector<float>(element_count(shape), 0.5F)});
   }
   std::ignore = (*executor)->run(inputs);
   return 0;

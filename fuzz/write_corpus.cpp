@@ -143,7 +143,7 @@ roomwise::Expected<void> write(const fs::path& folder, const std::vector<Seed>& 
   std::error_code error;
   fs::create_directories(folder, error);
   for (const Seed& seed : seeds) {
-    ROOMWISE_CHECK_OK(roomwise::write_file(folder / seed.name, seed.bytes));
+    ROOMWISE_RETURN_IF_ERROR(roomwise::write_file(folder / seed.name, seed.bytes));
   }
   std::printf("%zu files in %s\n", seeds.size(), folder.c_str());
   return {};

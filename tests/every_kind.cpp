@@ -80,9 +80,9 @@ Expected<fs::path> write_scanner_app(const SourceWalk& walk, const fs::path& fol
     const json frame{{"time", walk.seconds(i)},
                      {"intrinsics", {camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1}},
                      {"cameraPoseARFrame", pose}};
-    ROOMWISE_CHECK_OK(put(folder / fmt::format("frame_{:05}.json", i), frame.dump()));
-    ROOMWISE_CHECK_OK(put(folder / fmt::format("frame_{:05}.jpg", i), walk.jpeg(i)));
-    ROOMWISE_CHECK_OK(put(folder / fmt::format("depth_{:05}.png", i), walk.depth_png(i)));
+    ROOMWISE_RETURN_IF_ERROR(put(folder / fmt::format("frame_{:05}.json", i), frame.dump()));
+    ROOMWISE_RETURN_IF_ERROR(put(folder / fmt::format("frame_{:05}.jpg", i), walk.jpeg(i)));
+    ROOMWISE_RETURN_IF_ERROR(put(folder / fmt::format("depth_{:05}.png", i), walk.depth_png(i)));
   }
   return folder;
 }
@@ -102,10 +102,10 @@ Expected<fs::path> write_stray_scanner(const SourceWalk& walk, const fs::path& f
   for (std::size_t i = 0; i < walk.frames.size(); ++i) {
     odometry += fmt::format("{}, {:06}, {}, {}, 0, 1, 0, 0, 0\n", walk.seconds(i), i,
                             walk.places[i].x(), -walk.places[i].y());
-    ROOMWISE_CHECK_OK(put(folder / fmt::format("depth/{:06}.png", i), walk.depth_png(i)));
+    ROOMWISE_RETURN_IF_ERROR(put(folder / fmt::format("depth/{:06}.png", i), walk.depth_png(i)));
   }
-  ROOMWISE_CHECK_OK(put(folder / "odometry.csv", odometry));
-  ROOMWISE_CHECK_OK(put(
+  ROOMWISE_RETURN_IF_ERROR(put(folder / "odometry.csv", odometry));
+  ROOMWISE_RETURN_IF_ERROR(put(
       folder / "camera_matrix.csv",
       fmt::format("{}, 0, {}\n0, {}, {}\n0, 0, 1\n", camera.fx, camera.cx, camera.fy, camera.cy)));
   return folder;
@@ -122,9 +122,9 @@ Expected<fs::path> write_polycam(const SourceWalk& walk, const fs::path& folder)
     for (std::size_t one = 0; one < pose.size(); ++one) {
       camera[fmt::format("t_{}{}", one / 4, one % 4)] = pose[one];
     }
-    ROOMWISE_CHECK_OK(put(keyframes / "cameras" / (name + ".json"), camera.dump()));
-    ROOMWISE_CHECK_OK(put(keyframes / "images" / (name + ".jpg"), walk.jpeg(i)));
-    ROOMWISE_CHECK_OK(put(keyframes / "depth" / (name + ".png"), walk.depth_png(i)));
+    ROOMWISE_RETURN_IF_ERROR(put(keyframes / "cameras" / (name + ".json"), camera.dump()));
+    ROOMWISE_RETURN_IF_ERROR(put(keyframes / "images" / (name + ".jpg"), walk.jpeg(i)));
+    ROOMWISE_RETURN_IF_ERROR(put(keyframes / "depth" / (name + ".png"), walk.depth_png(i)));
   }
   return folder;
 }
@@ -134,16 +134,16 @@ Expected<fs::path> write_arkitscenes(const SourceWalk& walk, const fs::path& fol
   for (std::size_t i = 0; i < walk.frames.size(); ++i) {
     const std::string name = fmt::format("4242_{:.3f}", walk.seconds(i));
     const geometry::PinholeCamera& camera = walk.camera;
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(
         put(folder / "lowres_wide" / (name + ".png"), image::encode_png(walk.frames[i].color)));
-    ROOMWISE_CHECK_OK(put(folder / "lowres_depth" / (name + ".png"), walk.depth_png(i)));
-    ROOMWISE_CHECK_OK(put(folder / "lowres_wide_intrinsics" / (name + ".pincam"),
-                          fmt::format("{} {} {} {} {} {}\n", camera.width, camera.height, camera.fx,
-                                      camera.fy, camera.cx, camera.cy)));
+    ROOMWISE_RETURN_IF_ERROR(put(folder / "lowres_depth" / (name + ".png"), walk.depth_png(i)));
+    ROOMWISE_RETURN_IF_ERROR(put(folder / "lowres_wide_intrinsics" / (name + ".pincam"),
+                                 fmt::format("{} {} {} {} {} {}\n", camera.width, camera.height,
+                                             camera.fx, camera.fy, camera.cx, camera.cy)));
     const Eigen::Vector3d back = -walk.places[i];
     path += fmt::format("{} 0 0 0 {} {} {}\n", walk.seconds(i), back.x(), back.y(), back.z());
   }
-  ROOMWISE_CHECK_OK(put(folder / "lowres_wide.traj", path));
+  ROOMWISE_RETURN_IF_ERROR(put(folder / "lowres_wide.traj", path));
   return folder;
 }
 
@@ -159,12 +159,13 @@ Expected<fs::path> write_seven_scenes(const SourceWalk& walk, const fs::path& fo
   for (std::size_t i = 0; i < walk.frames.size(); ++i) {
     const std::string name = fmt::format("frame-{:06}", i);
     const Eigen::Vector3d& place = walk.places[i];
-    ROOMWISE_CHECK_OK(put(folder / (name + ".color.png"),
-                          image::encode_png(of_seven_scenes(walk.frames[i].color, walk.camera))));
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(
+        put(folder / (name + ".color.png"),
+            image::encode_png(of_seven_scenes(walk.frames[i].color, walk.camera))));
+    ROOMWISE_RETURN_IF_ERROR(
         put(folder / (name + ".depth.png"),
             image::encode_png(image::DepthImage(640, 480, walk.frames[i].depth.at(0, 0)))));
-    ROOMWISE_CHECK_OK(put(
+    ROOMWISE_RETURN_IF_ERROR(put(
         folder / (name + ".pose.txt"),
         fmt::format("1 0 0 {}\n0 1 0 {}\n0 0 1 {}\n0 0 0 1\n", place.x(), place.y(), place.z())));
   }
@@ -192,14 +193,14 @@ recording::testing::LogPlan robot_log(const SourceWalk& walk, recording::Encodin
 }
 
 Expected<fs::path> write_mcap(const SourceWalk& walk, const fs::path& folder) {
-  ROOMWISE_CHECK_OK(put(folder / "walk.mcap",
-                        made::McapWriter::write(robot_log(walk, recording::Encoding::kCdr))));
+  ROOMWISE_RETURN_IF_ERROR(put(
+      folder / "walk.mcap", made::McapWriter::write(robot_log(walk, recording::Encoding::kCdr))));
   return folder / "walk.mcap";
 }
 
 Expected<fs::path> write_bag(const SourceWalk& walk, const fs::path& folder) {
-  ROOMWISE_CHECK_OK(put(folder / "walk.bag",
-                        made::BagWriter::write(robot_log(walk, recording::Encoding::kRos1))));
+  ROOMWISE_RETURN_IF_ERROR(put(
+      folder / "walk.bag", made::BagWriter::write(robot_log(walk, recording::Encoding::kRos1))));
   return folder / "walk.bag";
 }
 
@@ -211,7 +212,7 @@ Expected<fs::path> write_sens(const SourceWalk& walk, const fs::path& folder) {
   plan.depth_mm = walk.frames.front().depth.at(0, 0);
   plan.frame_count = walk.frames.size();
   for (std::size_t i = 0; i < walk.frames.size(); ++i) plan.colors.push_back(walk.jpeg(i));
-  ROOMWISE_CHECK_OK(put(folder / "walk.sens", made::sens_file(plan)));
+  ROOMWISE_RETURN_IF_ERROR(put(folder / "walk.sens", made::sens_file(plan)));
   return folder / "walk.sens";
 }
 
@@ -256,10 +257,10 @@ Expected<fs::path> write_record3d_exr(const SourceWalk& walk, const fs::path& fo
   depth.width = made::kDepthWidth;
   depth.height = made::kDepthHeight;
   depth.value = [metres = wall_distance_m(walk)](std::size_t, int, int) { return metres; };
-  ROOMWISE_CHECK_OK(put(folder / "metadata.json", record3d_metadata(walk)));
+  ROOMWISE_RETURN_IF_ERROR(put(folder / "metadata.json", record3d_metadata(walk)));
   for (std::size_t i = 0; i < walk.frames.size(); ++i) {
-    ROOMWISE_CHECK_OK(put(folder / fmt::format("rgb/{}.jpg", i), walk.jpeg(i)));
-    ROOMWISE_CHECK_OK(put(folder / fmt::format("depth/{}.exr", i), made::exr_file(depth)));
+    ROOMWISE_RETURN_IF_ERROR(put(folder / fmt::format("rgb/{}.jpg", i), walk.jpeg(i)));
+    ROOMWISE_RETURN_IF_ERROR(put(folder / fmt::format("depth/{}.exr", i), made::exr_file(depth)));
   }
   return folder;
 }

@@ -33,8 +33,8 @@ inline std::string detector_of_the_middle() {
     const std::filesystem::path& folder) {
   std::error_code ignored;
   std::filesystem::create_directories(folder, ignored);
-  ROOMWISE_CHECK_OK(write_file(folder / "middle.onnx", detector_of_the_middle()));
-  ROOMWISE_CHECK_OK(write_file(
+  ROOMWISE_RETURN_IF_ERROR(write_file(folder / "middle.onnx", detector_of_the_middle()));
+  ROOMWISE_RETURN_IF_ERROR(write_file(
       folder / "middle.card.json",
       R"({"task": "nanodet-plus", "input": {"width": 64, "height": 64}, "labels": "kinds.txt"})"));
   return write_file(folder / "kinds.txt", std::string("bed\ntoilet\n"));

@@ -142,8 +142,8 @@ Expected<void> add_walk(home::Home& home, const Walk& walk, const RigidTransform
       ranges.push_back({i, i, one.room, 1});
     }
   }
-  ROOMWISE_CHECK_OK(home.commit(step));
-  ROOMWISE_CHECK_OK(home.finish_recording(id));
+  ROOMWISE_RETURN_IF_ERROR(home.commit(step));
+  ROOMWISE_RETURN_IF_ERROR(home.finish_recording(id));
   return options.has_rooms ? home.replace_room_ranges(id, ranges) : Expected<void>{};
 }
 
@@ -179,14 +179,14 @@ geometry::PinholeCamera made_up_phone_camera() {
 Expected<void> make_made_up_home(const std::filesystem::path& file, const MadeUpHome& options) {
   ROOMWISE_TRY(home::Home home, home::Home::create(file));
   if (options.has_rooms) {
-    ROOMWISE_CHECK_OK(home.replace_rooms(
+    ROOMWISE_RETURN_IF_ERROR(home.replace_rooms(
         std::vector<rooms::Room>{{kMadeUpLiving, "living room"}, {kMadeUpKitchen, "kitchen"}}));
   }
   const std::vector<Taken> first = first_walk(), later = later_walk();
   const RigidTransform world_from_truth = first[0].truth_from_camera.inverse();
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       add_walk(home, {kMadeUpWalk, made_up_lens_camera(), first}, world_from_truth, options));
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       add_walk(home, {kMadeUpLaterWalk, made_up_phone_camera(), later}, world_from_truth, options));
   if (!options.has_things) return {};
   const std::size_t last = first.size() + later.size() - 1;

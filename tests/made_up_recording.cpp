@@ -70,13 +70,13 @@ Expected<void> write_made_up_recording(const std::filesystem::path& folder, int 
     const bool is_hall = i < frames / 2;
     frame.color = picture_of_wall(camera, shift, is_hall);
     frame.depth = image::DepthImage(camera.width, camera.height, depth);
-    ROOMWISE_CHECK_OK(writer->name_room(is_hall ? "hall" : "kitchen"));
-    ROOMWISE_CHECK_OK(writer->write(frame));
+    ROOMWISE_RETURN_IF_ERROR(writer->name_room(is_hall ? "hall" : "kitchen"));
+    ROOMWISE_RETURN_IF_ERROR(writer->write(frame));
     const Eigen::Vector3d place(shift.x * kWallDistance_m / camera.fx,
                                 shift.y * kWallDistance_m / camera.fy, 0);
     truth.push_back({frame.timestamp_ns, {Eigen::Quaterniond::Identity(), place}});
   }
-  ROOMWISE_CHECK_OK(writer->close());
+  ROOMWISE_RETURN_IF_ERROR(writer->close());
   return recording::write_trajectory(folder / "groundtruth.txt", truth);
 }
 

@@ -100,7 +100,7 @@ class ThingsCommandsTest : public ::testing::Test {
       for (std::uint16_t& depth : frame.depth.pixels()) {
         depth = static_cast<std::uint16_t>(5000 + random.index(9000));
       }
-      ROOMWISE_CHECK_OK(writer->write(frame));
+      ROOMWISE_RETURN_IF_ERROR(writer->write(frame));
     }
     return writer->close();
   }

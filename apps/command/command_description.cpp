@@ -350,7 +350,7 @@ std::string manual_page(const CommandDescription& command, const std::string& ve
 
 Expected<std::size_t> write_manual(const CommandDescription& command, const std::string& version,
                                    const std::filesystem::path& folder) {
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       write_file(folder / (hyphenated(command.path) + ".1"), manual_page(command, version)));
   std::size_t pages = 1;
   for (const CommandDescription& below : command.commands) {
@@ -367,13 +367,13 @@ Expected<void> write_help(const CLI::App& app, const std::string& program,
   std::filesystem::create_directories(manual, error);
   if (error) return fail("{}: cannot be made: {}", manual.string(), error.message());
   const CommandDescription all = describe_command(app, program);
-  ROOMWISE_CHECK_OK(write_file(folder / (program + ".bash"), bash_completion(all)));
-  ROOMWISE_CHECK_OK(write_file(folder / ("_" + program), zsh_completion(all)));
+  ROOMWISE_RETURN_IF_ERROR(write_file(folder / (program + ".bash"), bash_completion(all)));
+  ROOMWISE_RETURN_IF_ERROR(write_file(folder / ("_" + program), zsh_completion(all)));
   const CommandDescription described = describe_command(app, app.get_name());
   std::vector<CommandDescription> pages{described};
   if (app.get_name() != program) pages = described.commands;
   for (const CommandDescription& page : pages)
-    ROOMWISE_CHECK_OK(write_manual(page, version, manual));
+    ROOMWISE_RETURN_IF_ERROR(write_manual(page, version, manual));
   return {};
 }
 

@@ -359,7 +359,7 @@ Expected<pipeline::Networks> load_networks_for_new(const NetworkOptions& options
     if (!is_new) continue;
     constexpr const char* kWork = "checking whether 8 bits will do";
     const auto shown = [&](std::size_t i) -> Expected<image::ColorImage> {
-      ROOMWISE_CHECK_OK(context.progress.check(kWork));
+      ROOMWISE_RETURN_IF_ERROR(context.progress.check(kWork));
       return picture(i);
     };
     std::size_t last_of = 0;  // a second try is work of its own
@@ -412,7 +412,7 @@ Expected<objects::ObjectFinders> load_object_finders() {
       fmt::print(stderr, "left out: {}\n", loaded.error().message);
     }
   }
-  if (first != nullptr) ROOMWISE_CHECK_OK(add_closer_looks(finders, first));
+  if (first != nullptr) ROOMWISE_RETURN_IF_ERROR(add_closer_looks(finders, first));
   return finders;
 }
 

@@ -56,7 +56,7 @@ Expected<service::ServerCredentials> find_credentials(const DeviceOptions& optio
                                  .interruption = &interruption};
   ROOMWISE_TRY(const service::PairedWith paired,
                service::pair_with(server, options.code, options.name, wait));
-  ROOMWISE_CHECK_OK(store_credentials(file, options.server, paired.credentials));
+  ROOMWISE_RETURN_IF_ERROR(store_credentials(file, options.server, paired.credentials));
   return paired.credentials;
 }
 
@@ -128,7 +128,7 @@ Expected<std::unique_ptr<DeviceVoice>> open_voice(const DeviceOptions& options,
   wording.catalogue = &catalogue;
   wording.style.language = options.language;
   wording.style.step_m = options.step_m;
-  ROOMWISE_CHECK_OK(wording.style.validate(catalogue));
+  ROOMWISE_RETURN_IF_ERROR(wording.style.validate(catalogue));
   ROOMWISE_TRY(auto speaker, open_speaker(options.speak, steady_now_ns(), std::cout));
   // A file is listened to later: who plays a walk into it sees what is said.
   if (options.speak.starts_with("wav:")) {
@@ -151,7 +151,7 @@ Expected<Answer> run_device(const DeviceOptions& given, Context& context) {
   ROOMWISE_TRY(parts.camera, open_camera(options));
   parts.hello = hello_of(options, parts.camera.get());
   DeviceSession session(std::move(parts));
-  ROOMWISE_CHECK_OK(session.run(context.progress));
+  ROOMWISE_RETURN_IF_ERROR(session.run(context.progress));
   const service::LinkCounts& counts = session.counts();
   return Answer{
       fmt::format(

@@ -75,7 +75,7 @@ Expected<void> DeviceSession::run(const Interruption& interruption) {
     } else {
       std::this_thread::sleep_for(std::chrono::milliseconds(kTick_ms));
     }
-    ROOMWISE_CHECK_OK(parts_.voice->step(steady_now_ns()));
+    ROOMWISE_RETURN_IF_ERROR(parts_.voice->step(steady_now_ns()));
     if (is_over(now_ns)) break;
   }
   if (connection_) connection_->close();

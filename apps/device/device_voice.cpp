@@ -128,8 +128,8 @@ bool DeviceVoice::toggle_quiet(TimestampNs now_ns) {
 }
 
 Expected<void> DeviceVoice::step(TimestampNs now_ns) {
-  if (std::exchange(must_stop_, false)) ROOMWISE_CHECK_OK(speaker_->stop(now_ns));
-  if (queue_.speaking()) ROOMWISE_CHECK_OK(watch_speaker(now_ns));
+  if (std::exchange(must_stop_, false)) ROOMWISE_RETURN_IF_ERROR(speaker_->stop(now_ns));
+  if (queue_.speaking()) ROOMWISE_RETURN_IF_ERROR(watch_speaker(now_ns));
   const auto utterance = queue_.next(now_ns);
   if (queue_.take_expired_answers() > 0) answer("device.failed", guide::Sound::kUnsure, now_ns);
   if (!utterance) return {};
@@ -144,7 +144,7 @@ Expected<void> DeviceVoice::watch_speaker(TimestampNs now_ns) {
   const bool is_given_up = !done && seconds_between(begun_ns_, now_ns) > max_s;
   if (is_given_up) {
     std::cerr << "the speech does not tell that '" << speaking.prompt.text << "' has ended\n";
-    ROOMWISE_CHECK_OK(speaker_->stop(now_ns));
+    ROOMWISE_RETURN_IF_ERROR(speaker_->stop(now_ns));
   }
   if (done || is_given_up) queue_.finished(speaking.id, now_ns);
   return {};

@@ -31,7 +31,7 @@ class ShownSpeaker final : public speech::Speaker {
       : shown_(out), speaker_(std::move(speaker)) {}
   [[nodiscard]] Expected<void> begin(const guide::Utterance& utterance,
                                      TimestampNs now_ns) override {
-    ROOMWISE_CHECK_OK(shown_.begin(utterance, now_ns));
+    ROOMWISE_RETURN_IF_ERROR(shown_.begin(utterance, now_ns));
     return speaker_->begin(utterance, now_ns);
   }
   [[nodiscard]] Expected<void> stop(TimestampNs now_ns) override { return speaker_->stop(now_ns); }

@@ -137,7 +137,7 @@ Expected<Answer> evaluate_objects(const HomeEvaluationOptions& options, Context&
   if (!options.report.empty()) {
     ROOMWISE_TRY(const evaluation::ObjectReportContent content,
                  trials::object_report(home, options.home.stem().string(), result));
-    ROOMWISE_CHECK_OK(write_file(options.report, render_object_report(content)));
+    ROOMWISE_RETURN_IF_ERROR(write_file(options.report, render_object_report(content)));
   }
   return answer;
 }

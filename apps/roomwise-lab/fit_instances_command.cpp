@@ -156,7 +156,7 @@ Expected<Answer> fit(const FitInstancesOptions& options, Context& context) {
   for (const std::string& text : options.cases) {
     ROOMWISE_TRY(cases.emplace_back(), read_case(text, context));
   }
-  if (!options.evidence.empty()) ROOMWISE_CHECK_OK(write_evidence(options.evidence, cases));
+  if (!options.evidence.empty()) ROOMWISE_RETURN_IF_ERROR(write_evidence(options.evidence, cases));
   std::vector<LeftOut> left_out;
   Answer answer;
   answer.json["left_out"] = Json::array();
@@ -178,7 +178,8 @@ Expected<Answer> fit(const FitInstancesOptions& options, Context& context) {
   for (const trials::FittingCase& one : cases) all.push_back(&one);
   ROOMWISE_TRY(const objects::InstanceModel model, fit_instances(all, options.fitting));
   if (!options.output.empty()) {
-    ROOMWISE_CHECK_OK(write_file(options.output, trials::to_json(model, cases, options.fitting)));
+    ROOMWISE_RETURN_IF_ERROR(
+        write_file(options.output, trials::to_json(model, cases, options.fitting)));
     answer.text += fmt::format("fitted on all: {}\n", options.output.string());
   }
   return answer;

@@ -83,7 +83,7 @@ Expected<Answer> fit(const FitLocalizerOptions& options, Context& context) {
   for (const std::string& text : options.cases) {
     ROOMWISE_TRY(cases.emplace_back(), read_case(text, options, context));
   }
-  if (!options.evidence.empty()) ROOMWISE_CHECK_OK(write_evidence(options.evidence, cases));
+  if (!options.evidence.empty()) ROOMWISE_RETURN_IF_ERROR(write_evidence(options.evidence, cases));
   Answer answer;
   answer.text =
       fmt::format("{:<44} {:>8}  {:^12}  {:^12}\n{:<44} {:>8}  {:>12}  {:>12}\n", "left out",

@@ -38,7 +38,7 @@ Expected<std::vector<trials::RoomCase>> look(const FitRoomsOptions& options, Con
     ROOMWISE_TRY(cases.emplace_back(),
                  trials::room_case(files, home, networks, options.max_elsewhere, run));
   }
-  if (!options.evidence.empty()) ROOMWISE_CHECK_OK(write_evidence(options.evidence, cases));
+  if (!options.evidence.empty()) ROOMWISE_RETURN_IF_ERROR(write_evidence(options.evidence, cases));
   return cases;
 }
 
@@ -105,11 +105,12 @@ Expected<Answer> fit(const FitRoomsOptions& options, Context& context) {
   Answer answer;
   std::vector<rooms::RoomModel> models;
   for (const std::string& network : {cases.front().network, std::string()}) {
-    ROOMWISE_CHECK_OK(left_out(cases, network, options.fitting, answer));
+    ROOMWISE_RETURN_IF_ERROR(left_out(cases, network, options.fitting, answer));
     ROOMWISE_TRY(models.emplace_back(), fit_others(cases, {}, network, options.fitting));
   }
   if (!options.output.empty()) {
-    ROOMWISE_CHECK_OK(write_file(options.output, trials::to_json(models, cases, options.fitting)));
+    ROOMWISE_RETURN_IF_ERROR(
+        write_file(options.output, trials::to_json(models, cases, options.fitting)));
     answer.text += fmt::format("fitted on all: {}\n", options.output.string());
   }
   return answer;

@@ -168,7 +168,7 @@ Expected<trials::TrialOptions> complete(const GuidanceOptions& options,
   trial.position.has_depth = options.has_depth;
   trial.position.sigma_m = options.position_sigma_m.value_or(trial.position.sigma_m);
   trial.position.answered_share = options.answered_share.value_or(trial.position.answered_share);
-  ROOMWISE_CHECK_OK(trial.validate());
+  ROOMWISE_RETURN_IF_ERROR(trial.validate());
   return trial;
 }
 
@@ -265,7 +265,7 @@ Expected<std::vector<GuidedWalk>> walk_rendered(const GuidanceOptions& options,
                                                 const simulation::FurnitureCatalogue& catalogue,
                                                 const trials::TrialOptions& trial,
                                                 Context& context) {
-  ROOMWISE_CHECK_OK(check_rendered(options, grounds.front().home->model));
+  ROOMWISE_RETURN_IF_ERROR(check_rendered(options, grounds.front().home->model));
   ROOMWISE_TRY(const home::OpenOptions open, open_options(context));
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const geometry::RigidTransform truth_from_world,
@@ -299,7 +299,7 @@ Expected<std::vector<GuidedWalk>> walk_rendered(const GuidanceOptions& options,
   }
   context.progress.end();
   // What was walked counts; nothing does where nobody came to an end.
-  if (led.empty()) ROOMWISE_CHECK_OK(context.progress.check("walking"));
+  if (led.empty()) ROOMWISE_RETURN_IF_ERROR(context.progress.check("walking"));
   return led;
 }
 
@@ -359,7 +359,7 @@ Expected<Answer> run(const GuidanceOptions& options, Context& context) {
     for (const GuidedWalk& walk : walks) json["walks"].push_back(to_json(walk));
   }
   if (!options.report.empty()) {
-    ROOMWISE_CHECK_OK(write_file(
+    ROOMWISE_RETURN_IF_ERROR(write_file(
         options.report,
         trials::guidance_page(
             walks, [&](std::size_t i) -> const trials::WalkedHome& { return *grounds[i].home; },

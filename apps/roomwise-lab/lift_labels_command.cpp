@@ -53,7 +53,7 @@ Expected<Answer> lift(const LiftLabelsOptions& options, Context& /*context*/) {
   }
   labelling::ReaderAgreement agreement;
   const labelling::RecordingTruth truth = merge_readers(readers, agreement);
-  ROOMWISE_CHECK_OK(write_recording_truth(options.output, truth));
+  ROOMWISE_RETURN_IF_ERROR(write_recording_truth(options.output, truth));
   const double between_m = evaluation::quantile(agreement.between_m, 0.5);
   answer.text +=
       fmt::format("marked by both {}, under two names {}, by one alone {}\n", agreement.both,

@@ -53,9 +53,9 @@ Expected<std::vector<trials::ComparedThing>> compare(const OwnThingsOptions& opt
   for (const std::string& text : options.recordings) {
     ROOMWISE_TRY(recordings.emplace_back(), parse_recording(text));
   }
-  ROOMWISE_CHECK_OK(trials::add_recorded_things(recordings, context.seed, set));
+  ROOMWISE_RETURN_IF_ERROR(trials::add_recorded_things(recordings, context.seed, set));
   if (!options.photos.empty()) {
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(
         trials::add_photo_things(options.photos, options.photo_things, context.seed, set));
   }
   if (options.rendered_things > 0) {
@@ -63,7 +63,7 @@ Expected<std::vector<trials::ComparedThing>> compare(const OwnThingsOptions& opt
     rendered.things = (options.rendered_things + 1) / rendered.homes.size();
     rendered.seed = context.seed;
     ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(options.furniture));
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(
         trials::add_rendered_things(rendered, catalogue, pool, context.progress, set));
   }
   ROOMWISE_TRY(const pipeline::Networks networks, load_networks({}, nullptr));
@@ -76,7 +76,7 @@ Expected<std::vector<trials::ComparedThing>> compare(const OwnThingsOptions& opt
   if (!options.compared.empty()) {
     std::string lines;
     for (const trials::ComparedThing& thing : things) lines += trials::to_json_line(thing);
-    ROOMWISE_CHECK_OK(write_file(options.compared, lines));
+    ROOMWISE_RETURN_IF_ERROR(write_file(options.compared, lines));
   }
   return things;
 }
@@ -159,7 +159,7 @@ Expected<Answer> run(const OwnThingsOptions& options, Context& context) {
   const Json json = json_of(model, options.trial, things);
   answer.json["model"] = json;
   if (!options.output.empty()) {
-    ROOMWISE_CHECK_OK(write_file(options.output, json.dump(1) + "\n"));
+    ROOMWISE_RETURN_IF_ERROR(write_file(options.output, json.dump(1) + "\n"));
     answer.text += fmt::format("fitted on all: {}\n", options.output.string());
   }
   return answer;

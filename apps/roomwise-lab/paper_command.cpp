@@ -132,8 +132,8 @@ Expected<Answer> run(const PaperOptions& given, Context& context) {
   for (const auto& [part, name] : studies::kPaperParts) {
     if (std::ranges::find(options.only, name) != options.only.end()) study.parts.push_back(part);
   }
-  ROOMWISE_CHECK_OK(study.validate());
-  ROOMWISE_CHECK_OK(check_can_write(options.output));
+  ROOMWISE_RETURN_IF_ERROR(study.validate());
+  ROOMWISE_RETURN_IF_ERROR(check_can_write(options.output));
   study.first_seed = context.seed;
   ROOMWISE_TRY(study.networks, usable_networks());
   study.trained = trained_network();
@@ -145,7 +145,7 @@ Expected<Answer> run(const PaperOptions& given, Context& context) {
                      results.error().message);
   }
   if (!results) return Unexpected(results.error());
-  ROOMWISE_CHECK_OK(write_file(options.output, studies::paper_page(*results)));
+  ROOMWISE_RETURN_IF_ERROR(write_file(options.output, studies::paper_page(*results)));
   return answer_of(*results, options);
 }
 

@@ -95,7 +95,7 @@ Expected<SimulationOptions> complete(const SimulateOptions& options, std::uint64
   simulated.scenario_seed = options.scenario_seed.value_or(seed);
   simulated.walk.seed = options.walk_seed.value_or(seed);
   simulated.sensor.seed = simulated.walk.seed;
-  ROOMWISE_CHECK_OK(switch_off(options.without, simulated.sensor));
+  ROOMWISE_RETURN_IF_ERROR(switch_off(options.without, simulated.sensor));
   // A fixed exposure is right where an automatic one needs no amplification.
   constexpr double kMidGrey = 0.18;
   simulated.sensor.exposure = kMidGrey / simulated.sensor.unamplified_radiance;

@@ -16,7 +16,7 @@ struct SimulateOdometryOptions {
 Expected<Answer> run(const SimulateOdometryOptions& options, Context& context) {
   simulation::OdometryOptions odometry = options.odometry;
   odometry.seed = context.seed;
-  ROOMWISE_CHECK_OK(odometry.validate());
+  ROOMWISE_RETURN_IF_ERROR(odometry.validate());
   const fs::path file = options.recording / "odometry.txt";
   std::error_code ignored;
   if (fs::exists(file, ignored)) {
@@ -24,7 +24,7 @@ Expected<Answer> run(const SimulateOdometryOptions& options, Context& context) {
   }
   ROOMWISE_TRY(const auto truth, recording::read_trajectory(options.recording / "groundtruth.txt"));
   const recording::Odometry simulated = simulation::simulate_odometry(truth, odometry);
-  ROOMWISE_CHECK_OK(recording::write_odometry(
+  ROOMWISE_RETURN_IF_ERROR(recording::write_odometry(
       file, simulated,
       fmt::format("made of groundtruth.txt: drift {}, {} jumps, {} dropouts, seed {}",
                   odometry.drift, odometry.jumps, odometry.dropouts, odometry.seed)));

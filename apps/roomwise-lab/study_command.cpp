@@ -105,7 +105,7 @@ Expected<std::vector<studies::StudyStore>> open_studies(const StudyOptions& opti
   }
   ROOMWISE_TRY(const auto files, studies_in(options.study));
   for (const fs::path& file : files)
-    ROOMWISE_CHECK_OK(studies::read_study(file));  // before any begins
+    ROOMWISE_RETURN_IF_ERROR(studies::read_study(file));  // before any begins
   for (const fs::path& file : files) {
     ROOMWISE_TRY(stores.emplace_back(), studies::StudyStore::create(options.output / file.stem(),
                                                                     file, options.data, version));
@@ -116,7 +116,7 @@ Expected<std::vector<studies::StudyStore>> open_studies(const StudyOptions& opti
 Expected<void> forget_failed(const studies::StudyStore& store) {
   ROOMWISE_TRY(const auto results, store.results());
   for (const studies::TaskResult& result : results) {
-    if (!result.is_good) ROOMWISE_CHECK_OK(store.forget(result.id));
+    if (!result.is_good) ROOMWISE_RETURN_IF_ERROR(store.forget(result.id));
   }
   return {};
 }
@@ -136,14 +136,15 @@ Expected<studies::StudyCount> run_under_slurm(const studies::StudyStore& store,
     answer.text += fmt::format("handed to Slurm as job {}\n", fmt::join(*jobs, ", "));
     for (const auto& job : *jobs) answer.json["jobs"].push_back(job);
   }
-  if (options.wait) ROOMWISE_CHECK_OK(studies::wait_for_jobs(store, slurm, context.progress));
-  ROOMWISE_CHECK_OK(store.write_tables());
+  if (options.wait)
+    ROOMWISE_RETURN_IF_ERROR(studies::wait_for_jobs(store, slurm, context.progress));
+  ROOMWISE_RETURN_IF_ERROR(store.write_tables());
   return studies::count_of(store);
 }
 
 Expected<studies::StudyCount> run_one(const studies::StudyStore& store, const StudyOptions& options,
                                       Context& context, Answer& answer) {
-  if (options.retry) ROOMWISE_CHECK_OK(forget_failed(store));
+  if (options.retry) ROOMWISE_RETURN_IF_ERROR(forget_failed(store));
   auto count = options.slurm ? run_under_slurm(store, options, context, answer)
                              : studies::run_here(store, options.workers,
                                                  studies::roomwise_beside(context.progress),
@@ -171,7 +172,7 @@ Expected<Answer> run_study(const StudyOptions& options, Context& context) {
   answer.json["version"] = version;
   answer.json.update(to_json(all));
   ROOMWISE_TRY(const std::string page, tables_in(stores));
-  if (!options.table.empty()) ROOMWISE_CHECK_OK(write_file(options.table, page));
+  if (!options.table.empty()) ROOMWISE_RETURN_IF_ERROR(write_file(options.table, page));
   answer.text += page + fmt::format("\n{} tasks: {} done, {} failed, {} open; in {}\n", all.tasks,
                                     all.done, all.failed, all.open, options.output.string());
   answer.is_good = all.failed == 0;
@@ -199,7 +200,7 @@ Expected<Answer> run_study_table(const StudyTableOptions& options, Context&) {
   for (const fs::path& folder : options.folders) {
     ROOMWISE_TRY(stores.emplace_back(), studies::StudyStore::open(folder));
     const studies::StudyStore& store = stores.back();
-    ROOMWISE_CHECK_OK(store.write_tables());
+    ROOMWISE_RETURN_IF_ERROR(store.write_tables());
     ROOMWISE_TRY(const studies::StudyCount count, studies::count_of(store));
     Json json = to_json(count);
     json["study"] = store.study().name;
@@ -208,7 +209,7 @@ Expected<Answer> run_study_table(const StudyTableOptions& options, Context&) {
   }
   ROOMWISE_TRY(answer.text, tables_in(stores));
   if (!options.output.empty()) {
-    ROOMWISE_CHECK_OK(write_file(options.output, answer.text));
+    ROOMWISE_RETURN_IF_ERROR(write_file(options.output, answer.text));
     answer.text = fmt::format("wrote {}\n", options.output.string());
   }
   return answer;

@@ -81,7 +81,7 @@ Expected<Data> data_of_home(const TrainRequest& request, const Context& context)
     return data;
   }
   ROOMWISE_TRY(HomePictures held_out, pictures_of_visits(home, request.held_out_visits));
-  ROOMWISE_CHECK_OK(check_apart(*data.training, held_out));
+  ROOMWISE_RETURN_IF_ERROR(check_apart(*data.training, held_out));
   data.held_out = owned(std::move(held_out));
   return data;
 }
@@ -233,8 +233,8 @@ Expected<Answer> train_network(TrainRequest request, Context& context) {
   options.checkpoint = files.checkpoint;
   if (!request.keeps_pictures) options.augmentation = {};
   options.augmentation.mirror = request.mirrors;
-  ROOMWISE_CHECK_OK(options.validate());
-  ROOMWISE_CHECK_OK(files.prepare());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(files.prepare());
   std::error_code error;
   const bool was_stopped = fs::exists(files.checkpoint, error);
   if (error) return fail("{}: cannot be looked at: {}", files.checkpoint.string(), error.message());
@@ -255,8 +255,8 @@ Expected<Answer> train_network(TrainRequest request, Context& context) {
   if (processes->rank() != 0)
     return Answer{"the process of rank 0 writes the network\n", {{"rank", processes->rank()}}};
   const network::ModelCard card = card_of(file.card, task, features, name, files);
-  ROOMWISE_CHECK_OK(files.write(result.graph, card, data.training->classes(),
-                                report_of(request, result, data, name)));
+  ROOMWISE_RETURN_IF_ERROR(files.write(result.graph, card, data.training->classes(),
+                                       report_of(request, result, data, name)));
   fs::remove(files.checkpoint, error);
   if (error) return fail("{}: cannot be removed: {}", files.checkpoint.string(), error.message());
   return answer_of(result, data, files, static_cast<double>(std::clock()) / CLOCKS_PER_SEC);

@@ -46,7 +46,7 @@ Expected<void> TrainedFiles::prepare() const {
   fs::create_directories(folder, error);
   if (error) return fail("{}: cannot be made: {}", folder.string(), error.message());
   for (const fs::path& file : {network, card, labels, report, checkpoint})
-    ROOMWISE_CHECK_OK(check_can_write(file));
+    ROOMWISE_RETURN_IF_ERROR(check_can_write(file));
   return {};
 }
 
@@ -54,9 +54,9 @@ Expected<void> TrainedFiles::write(const network::OnnxGraph& graph, const networ
                                    const std::vector<std::string>& names,
                                    const evaluation::TrainingReportContent& content) const {
   ROOMWISE_TRY(const Bytes onnx, network::write_onnx_graph(graph));
-  ROOMWISE_CHECK_OK(write_file(labels, fmt::format("{}\n", fmt::join(names, "\n"))));
-  ROOMWISE_CHECK_OK(write_file(card, json_of(about)));
-  ROOMWISE_CHECK_OK(write_file(report, evaluation::render_training_report(content)));
+  ROOMWISE_RETURN_IF_ERROR(write_file(labels, fmt::format("{}\n", fmt::join(names, "\n"))));
+  ROOMWISE_RETURN_IF_ERROR(write_file(card, json_of(about)));
+  ROOMWISE_RETURN_IF_ERROR(write_file(report, evaluation::render_training_report(content)));
   return write_file(network, onnx);
 }
 

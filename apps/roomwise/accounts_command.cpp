@@ -48,22 +48,22 @@ std::string time_text(std::int64_t seconds) {
 // That it was done is kept like what staff does.
 Expected<Answer> done(service::AccountStore& store, const AccountsOptions& options,
                       const std::string& what) {
-  ROOMWISE_CHECK_OK(store.note({seconds_since_1970(), "the computer's keeper", options.home,
-                                what + " " + options.name, "done", ""}));
+  ROOMWISE_RETURN_IF_ERROR(store.note({seconds_since_1970(), "the computer's keeper", options.home,
+                                       what + " " + options.name, "done", ""}));
   return Answer{fmt::format("{}: {}\n", options.name, what), {{"account", options.name}}};
 }
 
 Expected<Answer> add_account(const AccountsOptions& options, Context&) {
   ROOMWISE_TRY(const auto store, open_accounts(options.homes, options.accounts));
   ROOMWISE_TRY(const home::Passphrase password, password_of(options));
-  ROOMWISE_CHECK_OK(store->add(options.name, text_of(password)));
+  ROOMWISE_RETURN_IF_ERROR(store->add(options.name, text_of(password)));
   return done(*store, options, "account added");
 }
 
 Expected<Answer> set_password(const AccountsOptions& options, Context&) {
   ROOMWISE_TRY(const auto store, open_accounts(options.homes, options.accounts));
   ROOMWISE_TRY(const home::Passphrase password, password_of(options));
-  ROOMWISE_CHECK_OK(store->set_password(options.name, text_of(password)));
+  ROOMWISE_RETURN_IF_ERROR(store->set_password(options.name, text_of(password)));
   return done(*store, options, "password changed");
 }
 
@@ -74,13 +74,13 @@ Expected<Answer> set_role(const AccountsOptions& options, Context&) {
     return fail("{}: there is no home '{}'", options.homes.string(), options.home);
   }
   ROOMWISE_TRY(const auto store, open_accounts(options.homes, options.accounts));
-  ROOMWISE_CHECK_OK(store->set_role(options.name, options.home, role));
+  ROOMWISE_RETURN_IF_ERROR(store->set_role(options.name, options.home, role));
   return done(*store, options, fmt::format("role {} in {}", options.role, options.home));
 }
 
 Expected<Answer> remove_account(const AccountsOptions& options, Context&) {
   ROOMWISE_TRY(const auto store, open_accounts(options.homes, options.accounts));
-  ROOMWISE_CHECK_OK(store->remove(options.name));
+  ROOMWISE_RETURN_IF_ERROR(store->remove(options.name));
   return done(*store, options, "account removed");
 }
 

@@ -74,7 +74,7 @@ Expected<void> add(Concepts& concepts, const ConceptsOptions& options,
       return fail("'{}' is a new object; give with --label what the network calls it",
                   options.object);
     }
-    ROOMWISE_CHECK_OK(concepts.vocabulary.add(options.object, labels));
+    ROOMWISE_RETURN_IF_ERROR(concepts.vocabulary.add(options.object, labels));
   }
   for (const std::string& type : options.room_types) {
     std::set<std::string>& objects = concepts.objects_of_room_type[type];
@@ -109,7 +109,7 @@ Expected<void> remove(Concepts& concepts, const ConceptsOptions& options) {
     }
   }
   if (options.labels.empty() && !options.room_types.empty()) return {};
-  ROOMWISE_CHECK_OK(concepts.vocabulary.remove(options.object));
+  ROOMWISE_RETURN_IF_ERROR(concepts.vocabulary.remove(options.object));
   if (!options.labels.empty()) {
     return concepts.vocabulary.add(options.object, {kept.begin(), kept.end()});
   }
@@ -123,8 +123,8 @@ Expected<void> replace_concepts(home::Home& home, const Concepts& concepts) {
   ROOMWISE_TRY(const auto settings, pipeline::stored_map_settings(home));
   const objects::ObjectRules rules = settings ? settings->objects : objects::ObjectRules{};
   return home.atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(home.replace_concepts(concepts));
-    ROOMWISE_CHECK_OK(pipeline::update_objects(home, rules));
+    ROOMWISE_RETURN_IF_ERROR(home.replace_concepts(concepts));
+    ROOMWISE_RETURN_IF_ERROR(pipeline::update_objects(home, rules));
     return {};
   });
 }
@@ -134,11 +134,11 @@ Expected<Answer> edit(const ConceptsOptions& options, bool adding, Context& cont
   ROOMWISE_TRY(Concepts concepts, home.concepts());
   if (adding) {
     ROOMWISE_TRY(const std::vector<std::string> labels, networks_spelling(home, options.labels));
-    ROOMWISE_CHECK_OK(add(concepts, options, labels));
+    ROOMWISE_RETURN_IF_ERROR(add(concepts, options, labels));
   } else {
-    ROOMWISE_CHECK_OK(remove(concepts, options));
+    ROOMWISE_RETURN_IF_ERROR(remove(concepts, options));
   }
-  ROOMWISE_CHECK_OK(replace_concepts(home, concepts));
+  ROOMWISE_RETURN_IF_ERROR(replace_concepts(home, concepts));
   return describe(concepts);
 }
 

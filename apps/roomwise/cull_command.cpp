@@ -94,11 +94,12 @@ Expected<Answer> cull(const CullOptions& options, Context& context) {
                                     {"verdicts", counts},
                                     {"redundant", redundant}});
     // The next walk is judged by what is left of this one.
-    if (!options.dry_run) ROOMWISE_CHECK_OK(pipeline::cull_keyframes(home, redundant, *settings));
+    if (!options.dry_run)
+      ROOMWISE_RETURN_IF_ERROR(pipeline::cull_keyframes(home, redundant, *settings));
   }
   if (!options.dry_run && culled > 0) {
-    ROOMWISE_CHECK_OK(pipeline::keep_home_floor(home, run));
-    ROOMWISE_CHECK_OK(home.erase_removed());
+    ROOMWISE_RETURN_IF_ERROR(pipeline::keep_home_floor(home, run));
+    ROOMWISE_RETURN_IF_ERROR(home.erase_removed());
   }
   ROOMWISE_TRY(const auto left, home.keyframes());
   if (walks.empty()) {

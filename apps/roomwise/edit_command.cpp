@@ -133,7 +133,7 @@ Made remove_thing(home::Home& home, const EditOptions& options, Context&) {
 
 Made rename_room(home::Home& home, const EditOptions& options, Context&) {
   home::EditId id = 0;
-  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+  ROOMWISE_RETURN_IF_ERROR(home.atomically([&]() -> Expected<void> {
     ROOMWISE_TRY(id,
                  pipeline::rename_room(home, command_line_author(), options.what, options.other));
     return photos_of(options).rename(options.what, options.other);
@@ -147,7 +147,7 @@ Made set_room_type(home::Home& home, const EditOptions& options, Context&) {
 
 Made remove_room(home::Home& home, const EditOptions& options, Context&) {
   home::EditId id = 0;
-  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+  ROOMWISE_RETURN_IF_ERROR(home.atomically([&]() -> Expected<void> {
     ROOMWISE_TRY(id, pipeline::remove_room(home, command_line_author(), options.what));
     return photos_of(options).set_aside(options.what);
   }));
@@ -155,7 +155,7 @@ Made remove_room(home::Home& home, const EditOptions& options, Context&) {
 }
 
 Made join_rooms(home::Home& home, const EditOptions& options, Context&) {
-  ROOMWISE_CHECK_OK(photos_of(options).check_can_join(options.what, options.other));
+  ROOMWISE_RETURN_IF_ERROR(photos_of(options).check_can_join(options.what, options.other));
   return pipeline::join_rooms(home, command_line_author(), options.what, options.other);
 }
 
@@ -236,7 +236,7 @@ Expected<Answer> undo(const EditOptions& options, Context& context) {
   if (edits.empty()) return fail("{}: nothing was changed by hand", home.file());
   const home::EditId id = options.change != 0 ? options.change : edits.back().id;
   std::optional<pipeline::StoredEdit> undone;
-  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+  ROOMWISE_RETURN_IF_ERROR(home.atomically([&]() -> Expected<void> {
     ROOMWISE_TRY(undone, pipeline::undo_edit(home, id));
     const pipeline::EditChange& was = undone->change;
     if (undone->kind == pipeline::EditKind::kRenameRoom) {
@@ -254,11 +254,11 @@ Expected<Answer> undo(const EditOptions& options, Context& context) {
 Expected<Answer> forget(const EditOptions& options, Context& context) {
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(const bool has_any, pipeline::has_removed_rooms(home));
-  ROOMWISE_CHECK_OK(photos_of(options).forget_set_aside());
-  if (has_any) ROOMWISE_CHECK_OK(pipeline::forget_removed_rooms(home));
-  ROOMWISE_CHECK_OK(pipeline::forget_taken_walks(home).map([](const auto&) {}));
+  ROOMWISE_RETURN_IF_ERROR(photos_of(options).forget_set_aside());
+  if (has_any) ROOMWISE_RETURN_IF_ERROR(pipeline::forget_removed_rooms(home));
+  ROOMWISE_RETURN_IF_ERROR(pipeline::forget_taken_walks(home).map([](const auto&) {}));
   ROOMWISE_TRY(const bool owes_erasing, home.owes_erasing());
-  if (owes_erasing) ROOMWISE_CHECK_OK(home.erase_removed());
+  if (owes_erasing) ROOMWISE_RETURN_IF_ERROR(home.erase_removed());
   return Answer{owes_erasing ? "what was removed is forgotten; no byte of it is left\n"
                              : "nothing was removed\n",
                 {{"forgotten", owes_erasing}}};

@@ -75,7 +75,7 @@ Expected<Answer> run(const TrajectoryOptions& options, Context& /*context*/) {
     const auto plot = evaluation::plot_trajectory(
         *absolute,
         {.title = options.estimate.filename().string(), .up = evaluation::axis_nearest_up(truth)});
-    ROOMWISE_CHECK_OK(write_file(options.plot, plot.file()));
+    ROOMWISE_RETURN_IF_ERROR(write_file(options.plot, plot.file()));
     answer.text += fmt::format("wrote {}\n", options.plot.string());
     answer.json["plot"] = options.plot.string();
   }

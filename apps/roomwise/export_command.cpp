@@ -76,24 +76,24 @@ Expected<Answer> export_ply(const ExportOptions& options, Context& context) {
   if (options.surface == "mesh") {
     CommandRun run(context);
     ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, run));
-    ROOMWISE_CHECK_OK(fusion::write_ply(options.output, map.mesh_world));
+    ROOMWISE_RETURN_IF_ERROR(fusion::write_ply(options.output, map.mesh_world));
     return wrote_mesh(options.output, map);
   }
   ROOMWISE_TRY(const pipeline::MapCloud map, build_cloud(options, context));
-  ROOMWISE_CHECK_OK(mapping::write_ply(options.output, map.cloud));
+  ROOMWISE_RETURN_IF_ERROR(mapping::write_ply(options.output, map.cloud));
   return wrote(options.output, "points", map.cloud.size());
 }
 
 Expected<Answer> export_pcd(const ExportOptions& options, Context& context) {
   ROOMWISE_TRY(const pipeline::MapCloud map, build_cloud(options, context));
-  ROOMWISE_CHECK_OK(mapping::write_pcd(options.output, map.cloud));
+  ROOMWISE_RETURN_IF_ERROR(mapping::write_pcd(options.output, map.cloud));
   return wrote(options.output, "points", map.cloud.size());
 }
 
 Expected<Answer> export_glb(const ExportOptions& options, Context& context) {
   CommandRun run(context);
   ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, run));
-  ROOMWISE_CHECK_OK(fusion::write_glb(
+  ROOMWISE_RETURN_IF_ERROR(fusion::write_glb(
       options.output, fusion::transformed(map.frame.gravity_from_world, map.mesh_world)));
   Answer answer = wrote_mesh(options.output, map);
   add_frame(answer, map.frame);
@@ -101,11 +101,11 @@ Expected<Answer> export_glb(const ExportOptions& options, Context& context) {
 }
 
 Expected<Answer> export_octomap(const ExportOptions& options, Context& context) {
-  ROOMWISE_CHECK_OK(pipeline::validate_cell(options.cell_m, options.voxel_size_m));
+  ROOMWISE_RETURN_IF_ERROR(pipeline::validate_cell(options.cell_m, options.voxel_size_m));
   CommandRun run(context);
   ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, run));
   ROOMWISE_TRY(const auto cells, pipeline::occupancy_of(map, options.cell_m, run));
-  ROOMWISE_CHECK_OK(fusion::write_octomap(options.output, cells, options.cell_m));
+  ROOMWISE_RETURN_IF_ERROR(fusion::write_octomap(options.output, cells, options.cell_m));
   const auto occupied = std::ranges::count(cells, true, &fusion::OccupancyCell::is_occupied);
   Answer answer{fmt::format("wrote {} occupied and {} free cells to {}\n", occupied,
                             std::ssize(cells) - occupied, options.output.string()),
@@ -127,8 +127,8 @@ fs::path map_of_storey(const fs::path& output, std::size_t storey) {
 Expected<Answer> export_floor(const ExportOptions& options, Context& context) {
   fusion::FloorGridOptions floor = options.floor;
   floor.cell_m = options.cell_m;
-  ROOMWISE_CHECK_OK(floor.validate());
-  ROOMWISE_CHECK_OK(pipeline::validate_cell(options.cell_m, options.voxel_size_m));
+  ROOMWISE_RETURN_IF_ERROR(floor.validate());
+  ROOMWISE_RETURN_IF_ERROR(pipeline::validate_cell(options.cell_m, options.voxel_size_m));
   CommandRun run(context);
   ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, run));
   ROOMWISE_TRY(const auto grids,
@@ -138,7 +138,7 @@ Expected<Answer> export_floor(const ExportOptions& options, Context& context) {
   for (std::size_t i = 0; i < grids.size(); ++i) {
     const fusion::FloorGrid& grid = grids[i];
     const fs::path output = map_of_storey(options.output, i);
-    ROOMWISE_CHECK_OK(fusion::write_floor_map(output, grid));
+    ROOMWISE_RETURN_IF_ERROR(fusion::write_floor_map(output, grid));
     const fs::path picture = fusion::floor_map_picture(output);
     const double free_m2 = grid.area_m2(fusion::FloorCell::kFree);
     const double occupied_m2 = grid.area_m2(fusion::FloorCell::kOccupied);
@@ -169,7 +169,7 @@ Expected<Answer> export_tum(const ExportOptions& options, Context& context) {
     ROOMWISE_TRY(walk, find_walk(home, options.walk));
   }
   ROOMWISE_TRY(const recording::Trajectory trajectory, pipeline::stored_trajectory(home, walk));
-  ROOMWISE_CHECK_OK(recording::write_trajectory(options.output, trajectory));
+  ROOMWISE_RETURN_IF_ERROR(recording::write_trajectory(options.output, trajectory));
   return wrote(options.output, "poses", trajectory.size());
 }
 
@@ -181,7 +181,7 @@ Expected<Answer> export_g2o(const ExportOptions& options, Context& context) {
   ROOMWISE_TRY(
       const mapping::PoseGraph graph,
       pipeline::stored_pose_graph(home, settings ? settings->solver : mapping::MapSolverOptions{}));
-  ROOMWISE_CHECK_OK(mapping::write_g2o(options.output, graph));
+  ROOMWISE_RETURN_IF_ERROR(mapping::write_g2o(options.output, graph));
   return wrote(options.output, "poses", graph.world_from_node.size());
 }
 

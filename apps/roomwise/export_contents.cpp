@@ -76,11 +76,11 @@ Answer wrote_contents(const fs::path& output, const pipeline::HomeContents& cont
 
 Expected<Answer> export_contents(const ContentsOptions& options, Context& context,
                                  std::string (*write)(const pipeline::HomeContents&)) {
-  ROOMWISE_CHECK_OK(check_is_new(options.output));
+  ROOMWISE_RETURN_IF_ERROR(check_is_new(options.output));
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
   ROOMWISE_TRY(const pipeline::HomeContents contents, pipeline::read_home_contents(home, run));
-  ROOMWISE_CHECK_OK(write_file(options.output, write(contents)));
+  ROOMWISE_RETURN_IF_ERROR(write_file(options.output, write(contents)));
   return wrote_contents(options.output, contents);
 }
 
@@ -159,13 +159,13 @@ std::string left_out(const pipeline::IndoorPlan& plan, const pipeline::HomeConte
 }
 
 Expected<Answer> export_indoorgml(const ContentsOptions& options, Context& context) {
-  ROOMWISE_CHECK_OK(check_is_new(options.output));
+  ROOMWISE_RETURN_IF_ERROR(check_is_new(options.output));
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
   ROOMWISE_TRY(const pipeline::HomeContents contents, pipeline::read_home_contents(home, run));
   auto plan = pipeline::indoor_gml(contents);
   if (!plan) return Unexpected(std::move(plan.error()).with_context(home.file()));
-  ROOMWISE_CHECK_OK(write_file(options.output, plan->gml));
+  ROOMWISE_RETURN_IF_ERROR(write_file(options.output, plan->gml));
   return Answer{
       fmt::format(
           "wrote {} rooms, {} doors, {} openings, {} flights of stairs, {} things to {}\n{}",

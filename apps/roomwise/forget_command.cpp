@@ -22,9 +22,9 @@ Expected<Answer> forget(const ForgetOptions& options, Context& context) {
   const auto found = std::ranges::find(recordings, walk, &home::StoredRecording::id);
   const std::string name = found->recording.name;
   ROOMWISE_TRY(const auto learned, home.room_classifier());
-  ROOMWISE_CHECK_OK(pipeline::remove_walk_folder(home, *found));
-  ROOMWISE_CHECK_OK(pipeline::forget_walk(home, walk));
-  ROOMWISE_CHECK_OK(home.erase_removed());
+  ROOMWISE_RETURN_IF_ERROR(pipeline::remove_walk_folder(home, *found));
+  ROOMWISE_RETURN_IF_ERROR(pipeline::forget_walk(home, walk));
+  ROOMWISE_RETURN_IF_ERROR(home.erase_removed());
   ROOMWISE_TRY(const auto left, home.keyframes());
   return Answer{
       fmt::format(

@@ -66,7 +66,7 @@ class Facts {
 
 Expected<Answer> describe_home(const InfoOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.path, context));
-  if (options.verify) ROOMWISE_CHECK_OK(home.verify());
+  if (options.verify) ROOMWISE_RETURN_IF_ERROR(home.verify());
   ROOMWISE_TRY(const auto recordings, home.recordings());
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto edges, home.edges());
@@ -185,7 +185,7 @@ Expected<Answer> describe_without_camera(const fs::path& folder) {
   add_left_out(recording::personal_data_of_some(colors.size(),
                                                 [&](std::size_t i) { return colors.read(i); }),
                facts);
-  ROOMWISE_CHECK_OK(add_rooms_and_truth(folder, facts));
+  ROOMWISE_RETURN_IF_ERROR(add_rooms_and_truth(folder, facts));
   return std::move(facts).answer();
 }
 
@@ -209,7 +209,7 @@ Expected<Answer> describe_recording(const fs::path& path) {
   }
   add_damage(*recording, facts);
   add_left_out(recording->info().left_out, facts);
-  ROOMWISE_CHECK_OK(add_rooms_and_truth(path, facts));
+  ROOMWISE_RETURN_IF_ERROR(add_rooms_and_truth(path, facts));
   return std::move(facts).answer();
 }
 
@@ -219,7 +219,7 @@ Expected<Answer> describe_pose_graph(const fs::path& path) {
   facts.add("poses", graph.world_from_node.size());
   facts.add("edges", graph.edges.size());
   facts.add("returns to a place", std::ranges::count_if(graph.edges, mapping::spans_long_loop));
-  facts.add("F", mapping::pose_graph_error(graph));
+  facts.add("F", mapping::pose_graph_chi2(graph));
   return std::move(facts).answer();
 }
 

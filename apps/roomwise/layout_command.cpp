@@ -166,7 +166,7 @@ Expected<Answer> lay_out(const LayoutOptions& options, Context& context) {
   ROOMWISE_TRY(const pipeline::HomeLayout layout, pipeline::build_home_layout(home, {}, run));
   Answer answer = answer_of(layout);
   if (!options.plan.empty()) {
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(
         write_file(options.plan, evaluation::draw_floor_plan(view_of(layout)).file()));
     answer.text += fmt::format("wrote the plan to {}\n", options.plan.string());
     answer.json["plan"] = options.plan.string();

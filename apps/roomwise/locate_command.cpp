@@ -103,7 +103,7 @@ Expected<Answer> describe(const home::Home& home, const mapping::Localization& f
   answer.json = {{"found", found.found()}, {"status", to_string(found.status)}};
   if (found.lens) {
     answer.json["focal_length"] = std::exp(found.lens->mean[0]);
-    answer.json["focal_length_sigma"] = found.lens->focal_sigma();
+    answer.json["focal_length_sigma"] = found.lens->relative_focal_sigma();
   }
   if (!found.found()) {
     answer.text = fmt::format("not known: {}\n", to_string(found.status));
@@ -126,7 +126,7 @@ Expected<Answer> describe(const home::Home& home, const mapping::Localization& f
   if (found.lens) {
     answer.text +=
         fmt::format("focal length {:.3f} of the picture's longer side, give or take {:.1f} %\n",
-                    std::exp(found.lens->mean[0]), 100 * found.lens->focal_sigma());
+                    std::exp(found.lens->mean[0]), 100 * found.lens->relative_focal_sigma());
   }
   answer.json["position_m"] = xyz(position);
   answer.json["rotation_xyzw"] = xyzw(found.world_from_camera.rotation);
@@ -141,7 +141,8 @@ Expected<Answer> describe(const home::Home& home, const mapping::Localization& f
 
 // Whether a picture's points tell of another lens than was said: further away from it than one in a
 // hundred would be by chance (chi-square of two numbers).
-bool is_another_lens(const motion::LensEstimate& said, const motion::LensEstimate& found) {
+bool is_another_lens(const motion::IntrinsicsEstimate& said,
+                     const motion::IntrinsicsEstimate& found) {
   constexpr double kOneInAHundred = 9.21;
   const Eigen::Vector2d off = found.mean - said.mean;
   return off.dot(said.information * off) > kOneInAHundred;
@@ -162,7 +163,7 @@ class PhotoLocator {
 
   Expected<mapping::Localization> locate(const image::Photo& photo) {
     if (photo.lens != says_) begin_with(photo);
-    const motion::LensEstimate asked = lens_.estimate();
+    const motion::IntrinsicsEstimate asked = lens_.estimate();
     ROOMWISE_TRY(mapping::Localization found, localizing_.locate_uncalibrated(photo.color, asked));
     if (is_told_) {
       mapping::LensCalibration untold;
@@ -184,9 +185,9 @@ class PhotoLocator {
   // Another photo's word is of another lens.
   void begin_with(const image::Photo& photo) {
     says_ = photo.lens;
-    const auto said =
-        says_ ? motion::LensEstimate::of_photo(*says_, photo.color.width(), photo.color.height())
-              : std::nullopt;
+    const auto said = says_ ? motion::IntrinsicsEstimate::from_exif(*says_, photo.color.width(),
+                                                                    photo.color.height())
+                            : std::nullopt;
     is_told_ = said.has_value();
     lens_ = said ? mapping::LensCalibration(*said) : mapping::LensCalibration();
   }

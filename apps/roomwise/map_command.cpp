@@ -78,7 +78,7 @@ Expected<pipeline::MapSettings> new_settings(const MapOptions& options) {
   settings.mapper.reuse = mapping::MapperOptions::of(settings.mapper.method).reuse;
   settings.mapper.reuse.max_motion_ratio =
       options.reuse.value_or(settings.mapper.reuse.max_motion_ratio);
-  ROOMWISE_CHECK_OK(settings.validate());
+  ROOMWISE_RETURN_IF_ERROR(settings.validate());
   return settings;
 }
 
@@ -218,8 +218,8 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   ROOMWISE_TRY(const auto labels, rooms_of_recording(options.recording));
   if (!fs::exists(options.home)) {
     ROOMWISE_TRY(const auto camera, given_camera(options.camera));
-    ROOMWISE_CHECK_OK(recording::open_recording(options.recording, {.camera = camera}));
-    ROOMWISE_CHECK_OK(new_settings(options));
+    ROOMWISE_RETURN_IF_ERROR(recording::open_recording(options.recording, {.camera = camera}));
+    ROOMWISE_RETURN_IF_ERROR(new_settings(options));
   }
   ROOMWISE_TRY(home::Home home, make_or_open_home(options, context));
   ROOMWISE_TRY(const std::unique_ptr<recording::Recording> source, open_recording(options, home));
@@ -264,12 +264,12 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
         "--resume",
         summary.frames, summary.keyframes, shell_word(options.recording), shell_word(options.home));
   }
-  if (labels) ROOMWISE_CHECK_OK(pipeline::name_rooms_if_unnamed(home, *labels));
+  if (labels) ROOMWISE_RETURN_IF_ERROR(pipeline::name_rooms_if_unnamed(home, *labels));
   if (!options.trajectory.empty()) {
     ROOMWISE_TRY(const auto recordings, home.recordings());
     ROOMWISE_TRY(const recording::Trajectory trajectory,
                  pipeline::stored_trajectory(home, recordings.back().id));
-    ROOMWISE_CHECK_OK(recording::write_trajectory(options.trajectory, trajectory));
+    ROOMWISE_RETURN_IF_ERROR(recording::write_trajectory(options.trajectory, trajectory));
   }
 
   ROOMWISE_TRY(const auto taught, home.own_things());
@@ -324,7 +324,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
                  {"instances", summary.instances},
                  {"left_out", left_out_json(left_out)},
                  {"home", options.home.string()}};
-  ROOMWISE_CHECK_OK(add_changes(home, answer));
+  ROOMWISE_RETURN_IF_ERROR(add_changes(home, answer));
   if (options.skip_damaged) {
     answer.json["damaged"] = frames.damage();
     answer.json["lost_pictures"] = lost;

@@ -187,7 +187,7 @@ Expected<Answer> pull(const PullOptions& options, Context& context) {
     fetched = fetch(*entry, options, target, expected, keep_record, context);
     if (!fetched) return Unexpected(std::move(fetched).error());
   } else if (!recorded || own_digest) {
-    ROOMWISE_CHECK_OK(keep_record(*fetched));
+    ROOMWISE_RETURN_IF_ERROR(keep_record(*fetched));
   }
   Answer answer;
   answer.text = fmt::format("{}: {} bytes, {}\n", target.string(), fetched->bytes,

@@ -167,12 +167,12 @@ Expected<Answer> bench(const LookOptions& options, Context& /*context*/) {
       return {};
     };
   }
-  ROOMWISE_CHECK_OK(look());
+  ROOMWISE_RETURN_IF_ERROR(look());
   const double first_ms = 1e3 * (thread_cpu_time_s() - load_start_s);
   std::vector<double> ms;
   for (int i = 0; i < options.runs; ++i) {
     const double start_s = thread_cpu_time_s();
-    ROOMWISE_CHECK_OK(look());
+    ROOMWISE_RETURN_IF_ERROR(look());
     ms.push_back(1e3 * (thread_cpu_time_s() - start_s));
   }
   std::ranges::sort(ms);

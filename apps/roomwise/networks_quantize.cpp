@@ -88,16 +88,16 @@ Expected<Answer> quantize_command(const QuantizeOptions& options, Context& conte
   if (!network::is_eight_bit_file(out)) {
     return fail("{}: a file of 8 bits ends in {}", out.string(), network::EightBitFile::kEnding);
   }
-  ROOMWISE_CHECK_OK(check_can_write(out));
+  ROOMWISE_RETURN_IF_ERROR(check_can_write(out));
   ROOMWISE_TRY(QuantizedClassifier quantized, quantize(weights, options, context));
   if (!quantized.report.is_used) {
     return fail("{}: 8 bits do not come near enough to floats: {}; nothing was written",
                 weights.string(), quantized.report.reason);
   }
   quantized.file.network = beside(weights, out);
-  ROOMWISE_CHECK_OK(check_replaces(options, out, quantized.file));
+  ROOMWISE_RETURN_IF_ERROR(check_replaces(options, out, quantized.file));
   ROOMWISE_TRY(const std::string text, network::text_of(quantized.file));
-  ROOMWISE_CHECK_OK(write_file(out, text));
+  ROOMWISE_RETURN_IF_ERROR(write_file(out, text));
   Answer answer;
   answer.text = fmt::format("{}: {}\n", weights.string(), quantized.file.checked);
   if (quantized.report.min_channels > 1) {

@@ -174,7 +174,7 @@ Expected<Answer> list_found(const home::Home& home, const std::string& rule, Con
     }
     ROOMWISE_TRY(const pipeline::HomeThings things, pipeline::find_home_things(home));
     ROOMWISE_TRY(const HistoryWords words, HistoryWords::of(home));
-    if (!things.things.empty()) ROOMWISE_CHECK_OK(places.find_layout(home, context));
+    if (!things.things.empty()) ROOMWISE_RETURN_IF_ERROR(places.find_layout(home, context));
     Columns columns;
     for (const pipeline::HomeThing& one : things.things) {
       columns.name = std::max(columns.name, one.name.size());
@@ -442,16 +442,16 @@ Expected<Answer> find(const ObjectsOptions& options, Context& context) {
         "interrupted; what was seen of whole key-frames is kept, the same command goes on from "
         "there");
   }
-  ROOMWISE_CHECK_OK(seen_all);
+  ROOMWISE_RETURN_IF_ERROR(seen_all);
   {
     const auto timing = run.clock.measure("joining objects");
     const objects::ObjectRules rules = settings ? settings->objects : objects::ObjectRules{};
-    ROOMWISE_CHECK_OK(pipeline::update_objects(home, rules));
+    ROOMWISE_RETURN_IF_ERROR(pipeline::update_objects(home, rules));
   }
   ROOMWISE_TRY(Answer answer,
                list_found(home, finders.in_pictures.empty() ? "paper" : options.rule, context));
   add_stages(answer, run.clock);
-  ROOMWISE_CHECK_OK(home.add_stage_timings(run.clock.stages()));
+  ROOMWISE_RETURN_IF_ERROR(home.add_stage_timings(run.clock.stages()));
   return answer;
 }
 

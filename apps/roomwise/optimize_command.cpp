@@ -54,7 +54,7 @@ Expected<Answer> optimize_file(const OptimizeOptions& options, const Context& co
   ROOMWISE_TRY(mapping::PoseGraph graph, mapping::read_g2o(options.input));
   ROOMWISE_TRY(const mapping::PoseGraphReport report,
                mapping::optimize(graph, options.graph, context.progress));
-  ROOMWISE_CHECK_OK(mapping::write_g2o(options.output, graph));
+  ROOMWISE_RETURN_IF_ERROR(mapping::write_g2o(options.output, graph));
   Answer answer = answer_of(report, graph.world_from_node.size(), graph.edges.size());
   answer.text += fmt::format("wrote {}\n", options.output.string());
   answer.json["output"] = options.output.string();
@@ -72,7 +72,7 @@ Expected<Answer> optimize_home(const OptimizeOptions& options, Context& context)
   if (options.no_upright) settings->refinement.uses_gravity = false;
   ROOMWISE_TRY(const mapping::PoseGraph before,
                pipeline::stored_pose_graph(home, settings->solver));
-  const double error_before = mapping::pose_graph_error(before);
+  const double error_before = mapping::pose_graph_chi2(before);
   cv::setNumThreads(1);  // the threads are ours
   CommandRun run(context);
   ROOMWISE_TRY(const mapping::FindFeatures features,

@@ -143,9 +143,9 @@ Expected<void> copy_frames(recording::FrameSource& source, recording::TumWriter&
     const double elapsed_s = static_cast<double>(frame->timestamp_ns - *first_ns) * kSecondsPerNs;
     if (options.seconds && elapsed_s > *options.seconds) break;
     const std::optional<std::string> room = current.at(frame->index);
-    ROOMWISE_CHECK_OK(writer.name_room(room));
+    ROOMWISE_RETURN_IF_ERROR(writer.name_room(room));
     frame->timestamp_ns += offset_ns;
-    ROOMWISE_CHECK_OK(writer.write(*frame));
+    ROOMWISE_RETURN_IF_ERROR(writer.write(*frame));
     progress.advance(writer.frames_written(), room ? "room " + *room : "");
   }
   return {};
@@ -189,9 +189,9 @@ Expected<Answer> run(const RecordOptions& options, Context& context) {
     copied.error().message += kNamingSkipDamaged;
   }
   context.progress.end();
-  ROOMWISE_CHECK_OK(writer->close());
-  ROOMWISE_CHECK_OK(copied);
-  ROOMWISE_CHECK_OK(copy_ground_truth(*source, options));
+  ROOMWISE_RETURN_IF_ERROR(writer->close());
+  ROOMWISE_RETURN_IF_ERROR(copied);
+  ROOMWISE_RETURN_IF_ERROR(copy_ground_truth(*source, options));
 
   const std::uint64_t lost = source->info().lost_frames;
   const image::PersonalData& left_out = source->info().left_out;

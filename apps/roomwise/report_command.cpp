@@ -68,7 +68,7 @@ Expected<Answer> run(const ReportOptions& options, Context& context) {
   CommandRun run(context);
   ROOMWISE_TRY(const evaluation::ReportContent content,
                pipeline::report_content(home, extras, run));
-  ROOMWISE_CHECK_OK(write_file(options.output, evaluation::render_report(content)));
+  ROOMWISE_RETURN_IF_ERROR(write_file(options.output, evaluation::render_report(content)));
   return Answer{fmt::format("wrote {}\n", options.output.string()),
                 {{"output", options.output.string()}}};
 }

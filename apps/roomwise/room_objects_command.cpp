@@ -107,7 +107,7 @@ Answer answer_of(const rooms::RoomObjects& objects) {
 Expected<Answer> objects_of_rooms(const ObjectsOfRoomsOptions& options, Context& context) {
   if (options.edits()) {
     ROOMWISE_TRY(home::Home home, open_home(options.home, context));
-    ROOMWISE_CHECK_OK(edit_claims(home, options));
+    ROOMWISE_RETURN_IF_ERROR(edit_claims(home, options));
   }
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const rooms::RoomObjects objects, pipeline::room_objects(home));
@@ -155,7 +155,7 @@ Expected<Answer> types_of_rooms(const TypesOptions& options, Context& context) {
     answer.json["rooms"].push_back(std::move(json));
     if (takes) room.type = best.type;
   }
-  if (options.accept) ROOMWISE_CHECK_OK(home.replace_rooms(rooms));
+  if (options.accept) ROOMWISE_RETURN_IF_ERROR(home.replace_rooms(rooms));
   return answer;
 }
 

@@ -103,7 +103,8 @@ Expected<void> set_types(home::Home& home, const std::vector<std::string>& types
     }
     const std::string type = text.substr(equals + 1);
     if (room->type == type) continue;
-    ROOMWISE_CHECK_OK(pipeline::set_room_type(home, command_line_author(), room->name, type));
+    ROOMWISE_RETURN_IF_ERROR(
+        pipeline::set_room_type(home, command_line_author(), room->name, type));
   }
   return {};
 }
@@ -122,9 +123,9 @@ Expected<Answer> name(const NameOptions& options, Context& context) {
     ROOMWISE_TRY(const recording::RoomLabels labels,
                  options.labels.empty() ? parse_ranges(options, frames)
                                         : recording::RoomLabels::read(options.labels));
-    ROOMWISE_CHECK_OK(pipeline::name_frames(home, command_line_author(), recording, labels));
+    ROOMWISE_RETURN_IF_ERROR(pipeline::name_frames(home, command_line_author(), recording, labels));
   }
-  ROOMWISE_CHECK_OK(set_types(home, options.types));
+  ROOMWISE_RETURN_IF_ERROR(set_types(home, options.types));
 
   Answer answer;
   answer.json["rooms"] = Json::array();
@@ -163,7 +164,7 @@ Expected<HomeOfPhotos> open_for_photos(const LearnOptions& options,
   const auto photo = [&](std::size_t i) { return image::read_color(photos[i].path); };
   ROOMWISE_TRY(pipeline::Networks networks,
                load_networks_for_new(options.networks, home, photos.size(), photo, context));
-  ROOMWISE_CHECK_OK(pipeline::features_network(networks));
+  ROOMWISE_RETURN_IF_ERROR(pipeline::features_network(networks));
   return HomeOfPhotos{std::move(home), std::move(networks)};
 }
 
@@ -195,7 +196,7 @@ Expected<rooms::LearningReport> learn_keyframes(const LearnOptions& options, Con
     ROOMWISE_TRY(const home::RecordingId walk,
                  find_walk(home, options.walks.empty() ? "" : options.walks.front()));
     ROOMWISE_TRY(const recording::RoomLabels labels, recording::RoomLabels::read(options.labels));
-    ROOMWISE_CHECK_OK(pipeline::name_frames(home, command_line_author(), walk, labels));
+    ROOMWISE_RETURN_IF_ERROR(pipeline::name_frames(home, command_line_author(), walk, labels));
   }
   ROOMWISE_TRY(const pipeline::RoomSelection selection, parse(options.selection));
   pipeline::Networks networks;  // what they saw in the key-frames themselves is stored

@@ -103,8 +103,8 @@ Expected<void> add_recordings(const RoomsEvaluationOptions& options, const home:
       all.mapped_walks.push_back(all.walks.back());
       recorded.with_depth = nullptr;
     }
-    ROOMWISE_CHECK_OK(pipeline::add_frames(recorded, labels, {rooms, options.margin}, learned,
-                                           all.walks.back(), all.pictures));
+    ROOMWISE_RETURN_IF_ERROR(pipeline::add_frames(recorded, labels, {rooms, options.margin},
+                                                  learned, all.walks.back(), all.pictures));
   }
   return {};
 }
@@ -113,7 +113,7 @@ Expected<void> add_pictures(const RoomsEvaluationOptions& options, const home::H
                             const std::vector<std::string>& learned, Context& context,
                             Pictures& all) {
   if (options.photos.empty()) {
-    ROOMWISE_CHECK_OK(add_recordings(options, home, learned, context, all));
+    ROOMWISE_RETURN_IF_ERROR(add_recordings(options, home, learned, context, all));
   } else {
     ROOMWISE_TRY(const auto photos, pipeline::list_room_photos(options.photos));
     for (const pipeline::RoomPhoto& photo : photos) all.never_learned.insert(photo.room);
@@ -318,9 +318,9 @@ Expected<Answer> answer_of(const RoomsEvaluationOptions& options,
   if (!options.report.empty()) {
     for (const RuleResult& result : evaluation.rules) {
       if (result.key.starts_with("baseline")) continue;
-      ROOMWISE_CHECK_OK(add_mistakes(result, all, content));
+      ROOMWISE_RETURN_IF_ERROR(add_mistakes(result, all, content));
     }
-    ROOMWISE_CHECK_OK(write_file(options.report, render_recognition_report(content)));
+    ROOMWISE_RETURN_IF_ERROR(write_file(options.report, render_recognition_report(content)));
   }
   return answer;
 }
@@ -381,9 +381,9 @@ Expected<Answer> evaluate(const RoomsEvaluationOptions& options, Context& contex
                load_networks(options.networks, &home, /*also_brought=*/true));
   ROOMWISE_TRY(const auto recognizer, pipeline::RoomRecognizer::create(home, networks));
   Pictures all;
-  ROOMWISE_CHECK_OK(add_pictures(options, home, recognizer.rooms(), context, all));
+  ROOMWISE_RETURN_IF_ERROR(add_pictures(options, home, recognizer.rooms(), context, all));
   CommandRun run(context);
-  ROOMWISE_CHECK_OK(leave_out_damaged(options.skip_damaged, all, run));
+  ROOMWISE_RETURN_IF_ERROR(leave_out_damaged(options.skip_damaged, all, run));
   name_the_mend(all.pictures);
   name_the_mend(all.unknown);
   ROOMWISE_TRY(const auto places, places_of(home, options, all, run));

@@ -163,7 +163,7 @@ class SpokenCodes {
  public:
   static Expected<SpokenCodes> open(const Options& options) {
     SpokenCodes spoken(options.language);
-    ROOMWISE_CHECK_OK(spoken.wording_.style.validate(*spoken.catalogue_));
+    ROOMWISE_RETURN_IF_ERROR(spoken.wording_.style.validate(*spoken.catalogue_));
     ROOMWISE_TRY(auto speaker, open_speaker(options.speak, steady_now_ns(), std::cout));
     spoken.voice_.emplace(std::move(speaker), spoken.wording_);
     return spoken;
@@ -202,7 +202,7 @@ class SpokenCodes {
 Expected<void> show_code(HomeServer& server, service::Role role, SpokenCodes* spoken) {
   const service::Now now = service::Now::read();
   ROOMWISE_TRY(const service::OpenCode made, server.access().make_code(role, now));
-  ROOMWISE_CHECK_OK(print_code(made, role, server.address() + "/pair"));
+  ROOMWISE_RETURN_IF_ERROR(print_code(made, role, server.address() + "/pair"));
   if (const double wait_s = server.access().digits_wait_s(now); wait_s > 0) {
     std::cout << fmt::format(
         "Somebody guesses at codes: the digits are heard in {:.0f} s only, the address at once\n",
@@ -214,7 +214,7 @@ Expected<void> show_code(HomeServer& server, service::Role role, SpokenCodes* sp
 }
 
 Expected<Answer> serve(const Options& options, Context& context) {
-  ROOMWISE_CHECK_OK(check_pages(options));
+  ROOMWISE_RETURN_IF_ERROR(check_pages(options));
   std::error_code none;
   if (fs::is_directory(options.home, none)) return serve_house(options, context);
   catch_interrupts();  // before it says that it serves: whoever waits for that may end it at once
@@ -238,16 +238,16 @@ Expected<Answer> serve(const Options& options, Context& context) {
                            service::fingerprint_with_colons(certificate.own_fingerprint));
   std::cout << words_for_phones(options, server->address(), certificate);
   if (options.pair == "helper" || !server->has_helper()) {
-    ROOMWISE_CHECK_OK(show_code(*server, service::Role::kHelper, nullptr));
+    ROOMWISE_RETURN_IF_ERROR(show_code(*server, service::Role::kHelper, nullptr));
   }
   if (options.pair == "device") {
-    ROOMWISE_CHECK_OK(show_code(*server, service::Role::kDevice, codes));
+    ROOMWISE_RETURN_IF_ERROR(show_code(*server, service::Role::kDevice, codes));
   }
   std::cout << "Enter makes a new code for a device. Ctrl-C stops it.\n" << std::flush;
   EnterKey enter;
   int turns = 0;
   while (!context.progress.interrupted()) {
-    if (enter.take()) ROOMWISE_CHECK_OK(show_code(*server, service::Role::kDevice, codes));
+    if (enter.take()) ROOMWISE_RETURN_IF_ERROR(show_code(*server, service::Role::kDevice, codes));
     if (codes != nullptr) {
       if (const auto spoken_on = codes->step(); !spoken_on) {
         std::cerr << "codes are not spoken any more: " << spoken_on.error().message << '\n';

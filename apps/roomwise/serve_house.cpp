@@ -43,7 +43,7 @@ Expected<service::Certificate> house_certificate(const fs::path& folder,
     const auto lock = home::WriterLock::take(folder / "certificate");
     if (lock) {
       ROOMWISE_TRY(auto made, service::own_certificate(folder, names, seconds_since_1970()));
-      ROOMWISE_CHECK_OK(write_for_proxy(folder, made));
+      ROOMWISE_RETURN_IF_ERROR(write_for_proxy(folder, made));
       return made;
     }
     if (lock.error().code != ErrorCode::kRefused || tries == kTries) {
@@ -59,7 +59,7 @@ Expected<std::string> metrics_token(const fs::path& folder) {
   std::error_code error;
   if (!fs::exists(file, error)) {
     ROOMWISE_TRY(const Bytes random, service::random_bytes(32));
-    ROOMWISE_CHECK_OK(service::write_private_file(file, base64url(random)));
+    ROOMWISE_RETURN_IF_ERROR(service::write_private_file(file, base64url(random)));
   }
   ROOMWISE_TRY(const Bytes bytes, read_file(file));
   std::string token(bytes.begin(), bytes.end());
@@ -103,7 +103,7 @@ class HouseServer {
                                                       Context& context) {
     std::unique_ptr<HouseServer> serving(new HouseServer(options, context));
     HouseServer& all = *serving;
-    ROOMWISE_CHECK_OK(service::make_private_folder(all.own_folder_));
+    ROOMWISE_RETURN_IF_ERROR(service::make_private_folder(all.own_folder_));
     ROOMWISE_TRY(all.certificate_, house_certificate(all.own_folder_, names_and(options.names)));
     ROOMWISE_TRY(all.metrics_token_, metrics_token(all.own_folder_));
     ROOMWISE_TRY(all.accounts_, open_accounts(options.home, options.accounts));
@@ -152,7 +152,7 @@ class HouseServer {
   }
   Expected<void> show_code(service::Role role) {
     ROOMWISE_TRY(const service::OpenCode code, house_->make_code(options_.one, role));
-    ROOMWISE_CHECK_OK(print_code(code, role, pair_address(options_.one)));
+    ROOMWISE_RETURN_IF_ERROR(print_code(code, role, pair_address(options_.one)));
     std::cout.flush();
     return {};
   }
@@ -328,14 +328,14 @@ Expected<Answer> serve_house(const ServeOptions& options, Context& context) {
       service::fingerprint_with_colons(certificate.own_fingerprint));
   std::cout << words_for_phones(options, server->address(), certificate);
   if (!options.pair.empty()) {
-    ROOMWISE_CHECK_OK(server->show_code(*service::parse_role(options.pair)));
+    ROOMWISE_RETURN_IF_ERROR(server->show_code(*service::parse_role(options.pair)));
   }
   if (!options.one.empty()) std::cout << "Enter makes a new code for a device. ";
   std::cout << "Ctrl-C stops it.\n" << std::flush;
   EnterKey enter;
   for (int turns = 0; !context.progress.interrupted(); ++turns) {
     if (!options.one.empty() && enter.take()) {
-      ROOMWISE_CHECK_OK(server->show_code(service::Role::kDevice));
+      ROOMWISE_RETURN_IF_ERROR(server->show_code(service::Role::kDevice));
     }
     constexpr int kTurnsOfASecond = 10;
     if (turns % kTurnsOfASecond == 0) server->house().tidy();

@@ -74,7 +74,7 @@ std::string url_of(const ServeOptions& options, std::uint16_t port) {
 
 Expected<void> check_pages(const ServeOptions& options) {
   if (options.pages.empty()) return {};
-  ROOMWISE_CHECK_OK(service::PageFiles::open(options.pages));
+  ROOMWISE_RETURN_IF_ERROR(service::PageFiles::open(options.pages));
   return {};
 }
 
@@ -106,7 +106,7 @@ Expected<std::unique_ptr<service::AccountStore>> open_accounts(const fs::path& h
   }
   std::error_code error;
   if (!fs::is_directory(homes, error)) return fail("{}: is no folder of homes", homes.string());
-  ROOMWISE_CHECK_OK(service::make_private_folder(house_folder(homes)));
+  ROOMWISE_RETURN_IF_ERROR(service::make_private_folder(house_folder(homes)));
   ROOMWISE_TRY(auto link, service::open_sqlite_link(house_folder(homes) / "accounts.sqlite"));
   return service::AccountStore::open(std::move(link));
 }

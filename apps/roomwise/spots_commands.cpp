@@ -117,7 +117,7 @@ Expected<Answer> mark(const SpotsOptions& options, Context& context) {
 Expected<Answer> rename(const SpotsOptions& options, Context& context) {
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(const pipeline::MarkedSpot spot, find_spot(home, options));
-  ROOMWISE_CHECK_OK(pipeline::rename_spot(home, spot.id, options.new_name));
+  ROOMWISE_RETURN_IF_ERROR(pipeline::rename_spot(home, spot.id, options.new_name));
   return Answer{
       fmt::format("{}: {} is called {} now\n", home.file(), options.name, options.new_name),
       {{"home", home.file()}, {"renamed", options.name}, {"name", options.new_name}}};
@@ -126,8 +126,8 @@ Expected<Answer> rename(const SpotsOptions& options, Context& context) {
 Expected<Answer> forget(const SpotsOptions& options, Context& context) {
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(const pipeline::MarkedSpot spot, find_spot(home, options));
-  ROOMWISE_CHECK_OK(pipeline::forget_spot(home, spot.id));
-  ROOMWISE_CHECK_OK(home.erase_removed());
+  ROOMWISE_RETURN_IF_ERROR(pipeline::forget_spot(home, spot.id));
+  ROOMWISE_RETURN_IF_ERROR(home.erase_removed());
   return Answer{fmt::format("{}: {} is forgotten\n", home.file(),
                             spot.name.empty() ? kWithoutName : spot.name),
                 {{"home", home.file()}, {"forgotten", spot.name}}};

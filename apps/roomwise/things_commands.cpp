@@ -77,7 +77,7 @@ std::string line_of(const home::OwnThing& thing) {
 Expected<Answer> teach(const ThingsOptions& options, Context& context) {
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   if (home.is_locked()) return Unexpected(home.locked_error());
-  ROOMWISE_CHECK_OK(pipeline::check_own_thing_name(home, options.name));
+  ROOMWISE_RETURN_IF_ERROR(pipeline::check_own_thing_name(home, options.name));
   Answer answer;
   std::vector<objects::ShownThing> shown;
   for (const std::filesystem::path& file : options.pictures) {
@@ -125,8 +125,8 @@ Expected<Answer> list(const ThingsOptions& options, Context& context) {
 Expected<Answer> forget_thing(const ThingsOptions& options, Context& context) {
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(const home::OwnThing thing, find_thing(home, options.name));
-  ROOMWISE_CHECK_OK(home.remove_own_thing(thing.id));
-  ROOMWISE_CHECK_OK(home.erase_removed());
+  ROOMWISE_RETURN_IF_ERROR(home.remove_own_thing(thing.id));
+  ROOMWISE_RETURN_IF_ERROR(home.erase_removed());
   return Answer{
       fmt::format("{}: {} is forgotten, its pictures are erased\n", home.file(), thing.name),
       {{"home", home.file()}, {"forgotten", thing.name}}};
@@ -135,7 +135,7 @@ Expected<Answer> forget_thing(const ThingsOptions& options, Context& context) {
 Expected<Answer> share(const ThingsOptions& options, Context& context) {
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(const home::OwnThing thing, find_thing(home, options.name));
-  ROOMWISE_CHECK_OK(home.share_own_thing(thing.id, !options.is_private));
+  ROOMWISE_RETURN_IF_ERROR(home.share_own_thing(thing.id, !options.is_private));
   return Answer{fmt::format("{}: {} is {}\n", home.file(), thing.name,
                             options.is_private ? "its owner's alone" : "shared"),
                 {{"home", home.file()}, {"name", thing.name}, {"shared", !options.is_private}}};
@@ -146,7 +146,8 @@ Expected<Answer> find(const ThingsOptions& options, Context& context) {
   ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks, &home));
   ROOMWISE_TRY(const objects::ObjectFinders finders, load_object_finders());
   CommandRun run(context);
-  ROOMWISE_CHECK_OK(pipeline::calibrate_own_things(home, networks, finders.in_pictures, run));
+  ROOMWISE_RETURN_IF_ERROR(
+      pipeline::calibrate_own_things(home, networks, finders.in_pictures, run));
   ROOMWISE_TRY(const auto watch, pipeline::watch_own_things(home, networks, finders.in_pictures));
   if (watch == nullptr) return fail("{}: nobody taught it a thing yet", home.file());
   Answer answer;

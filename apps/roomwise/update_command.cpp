@@ -277,7 +277,7 @@ Expected<Answer> update(const UpdateCommandOptions& options, Context& context) {
   pipeline::HomeUpdate& found = *compared;
   found.changes.visit.folder = options.recording.string();
   if (!options.dry_run && !found.changes.empty()) {
-    ROOMWISE_CHECK_OK(home.apply_changes(found.changes));
+    ROOMWISE_RETURN_IF_ERROR(home.apply_changes(found.changes));
   }
   if (!options.dry_run) {
     ROOMWISE_TRY(taught.noted, pipeline::note_own_things(home, found.own_things));

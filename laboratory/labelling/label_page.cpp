@@ -37,7 +37,7 @@ Expected<Json> write_picture(const recording::Recording& recording, std::uint64_
   ROOMWISE_TRY(const Bytes bytes, recording.read_color_file(index));
   const std::string file =
       fmt::format("pictures/{}.{}", index, image::is_png(bytes) ? "png" : "jpg");
-  ROOMWISE_CHECK_OK(write_file(output / file, bytes));
+  ROOMWISE_RETURN_IF_ERROR(write_file(output / file, bytes));
   const geometry::PinholeCamera camera = recording.original_camera(*picture);
   return Json{{"frame", index}, {"file", file}, {"width", camera.width}, {"height", camera.height}};
 }
@@ -70,7 +70,7 @@ Expected<void> LabelPageOptions::validate() const {
 
 Expected<std::size_t> write_label_page(const recording::Recording& recording, const fs::path& page,
                                        const LabelPageOptions& options, const fs::path& output) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   const std::string& name = recording.info().name;
   if (options.labels && options.labels->recording != name) {
     return fail("labels of {} do not belong to {}; give that recording's",
@@ -81,7 +81,7 @@ Expected<std::size_t> write_label_page(const recording::Recording& recording, co
     ROOMWISE_TRY(std::string text, read_text_file(page / file));
     files.emplace_back(file, std::move(text));
   }
-  ROOMWISE_CHECK_OK(check_output(output));
+  ROOMWISE_RETURN_IF_ERROR(check_output(output));
   Json pictures = Json::array();
   for (const std::uint64_t index : chosen_pictures(recording, options)) {
     ROOMWISE_TRY(pictures.emplace_back(), write_picture(recording, index, output));
@@ -89,8 +89,8 @@ Expected<std::size_t> write_label_page(const recording::Recording& recording, co
   std::string script =
       assignment("recording", {{"name", name}, {"pictures", pictures}, {"words", options.words}});
   if (options.labels) script += assignment("labels", to_json(*options.labels));
-  ROOMWISE_CHECK_OK(write_file(output / "recording.js", script));
-  for (const auto& [file, text] : files) ROOMWISE_CHECK_OK(write_file(output / file, text));
+  ROOMWISE_RETURN_IF_ERROR(write_file(output / "recording.js", script));
+  for (const auto& [file, text] : files) ROOMWISE_RETURN_IF_ERROR(write_file(output / file, text));
   return pictures.size();
 }
 

@@ -93,7 +93,7 @@ Expected<ChildEnd> run_child(const ChildRun& run, const Interruption& interrupti
   end.printed = read_while_it_runs(ends[0], process, run, interruption);
   close(ends[0]);
   while (waitpid(process, &end.status, 0) < 0 && errno == EINTR) continue;
-  ROOMWISE_CHECK_OK(interruption.check("running " + words.front()));
+  ROOMWISE_RETURN_IF_ERROR(interruption.check("running " + words.front()));
   return end;
 }
 

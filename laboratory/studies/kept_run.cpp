@@ -73,7 +73,7 @@ Expected<json> run_kept(const ProgramRun& run, const fs::path& file, const RunPr
   json made = json::parse(printed, nullptr, false);
   if (!made.is_object()) return fail("{} {} printed no JSON", run.program, run.words.front());
   made["command"] = command_of(run.words);
-  ROOMWISE_CHECK_OK(write_file(file, made.dump()));
+  ROOMWISE_RETURN_IF_ERROR(write_file(file, made.dump()));
   return made;
 }
 

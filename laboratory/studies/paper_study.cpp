@@ -111,7 +111,7 @@ class Plan {
     progress.begin("making the paper's tables", steps_.size());
     for (std::size_t i = 0; i < steps_.size(); ++i) {
       progress.advance(i, steps_[i].name);
-      ROOMWISE_CHECK_OK(progress.check("making the paper's tables"));
+      ROOMWISE_RETURN_IF_ERROR(progress.check("making the paper's tables"));
       const auto heard = [&](const std::string& line) {
         progress.advance(i, fmt::format("{}: {}", steps_[i].name, line));
       };
@@ -609,8 +609,8 @@ Expected<void> PaperStudyOptions::validate() const {
 
 Expected<PaperResults> study_paper(const PaperStudyOptions& options, const RunProgram& program,
                                    Progress& progress) {
-  ROOMWISE_CHECK_OK(options.validate());
-  ROOMWISE_CHECK_OK(make_folders(options.work));
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(make_folders(options.work));
   ROOMWISE_TRY(const WorkLock lock, WorkLock::take(options.work));
   const auto asks = [&](PaperPart part) {
     return std::ranges::find(options.parts, part) != options.parts.end();
@@ -623,7 +623,7 @@ Expected<PaperResults> study_paper(const PaperStudyOptions& options, const RunPr
   std::vector<RoomTrial> rooms;
   if (asks(PaperPart::kRooms)) rooms = plan_rooms(plan);
   if (asks(PaperPart::kTraining)) plan_training(plan);
-  ROOMWISE_CHECK_OK(plan.run(program, progress));
+  ROOMWISE_RETURN_IF_ERROR(plan.run(program, progress));
 
   PaperResults results;
   results.seeds = options.seeds;

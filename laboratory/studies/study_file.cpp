@@ -42,12 +42,12 @@ class StudyReader {
   explicit StudyReader(std::string file) : file_(std::move(file)) {}
 
   Expected<Study> read(const toml::table& all) {
-    ROOMWISE_CHECK_OK(check_keys(all, {"study", "factors", "steps", "values", "table"}));
-    ROOMWISE_CHECK_OK(read_head(all));
-    ROOMWISE_CHECK_OK(read_factors(all));
-    ROOMWISE_CHECK_OK(read_steps(all));
-    ROOMWISE_CHECK_OK(read_values(all));
-    ROOMWISE_CHECK_OK(read_rows(all));
+    ROOMWISE_RETURN_IF_ERROR(check_keys(all, {"study", "factors", "steps", "values", "table"}));
+    ROOMWISE_RETURN_IF_ERROR(read_head(all));
+    ROOMWISE_RETURN_IF_ERROR(read_factors(all));
+    ROOMWISE_RETURN_IF_ERROR(read_steps(all));
+    ROOMWISE_RETURN_IF_ERROR(read_values(all));
+    ROOMWISE_RETURN_IF_ERROR(read_rows(all));
     return std::move(study_);
   }
 
@@ -116,11 +116,11 @@ class StudyReader {
 
   Expected<void> read_head(const toml::table& all) {
     ROOMWISE_TRY(const toml::table* head, table_in(all, "study"));
-    ROOMWISE_CHECK_OK(check_keys(*head, {"name", "about", "threads", "minutes"}));
+    ROOMWISE_RETURN_IF_ERROR(check_keys(*head, {"name", "about", "threads", "minutes"}));
     study_.name = (*head)["name"].value_or(std::string());
-    ROOMWISE_CHECK_OK(check_name(*head, study_.name));
+    ROOMWISE_RETURN_IF_ERROR(check_name(*head, study_.name));
     study_.about = (*head)["about"].value_or(std::string());
-    ROOMWISE_CHECK_OK(read_number(*head, "threads", 100'000, study_.threads));
+    ROOMWISE_RETURN_IF_ERROR(read_number(*head, "threads", 100'000, study_.threads));
     return read_number(*head, "minutes", 100'000, study_.minutes);
   }
 
@@ -139,7 +139,7 @@ class StudyReader {
   Expected<void> read_factors(const toml::table& all) {
     ROOMWISE_TRY(const toml::table* table, table_in(all, "factors"));
     for (const auto& [name, node] : members(*table)) {
-      ROOMWISE_CHECK_OK(check_name(*node, name));
+      ROOMWISE_RETURN_IF_ERROR(check_name(*node, name));
       if (name == "data") return wrong(*node, "'data' is the folder of recordings, no factor");
       if (name == "study") return wrong(*node, "'study' is the folder of this file, no factor");
       ROOMWISE_TRY(Words values, list_of_words(*node));
@@ -163,16 +163,16 @@ class StudyReader {
     }
     for (const toml::node& one : *array) {
       if (!one.is_table()) return wrong(one, "a step is a table: [[steps]]");
-      ROOMWISE_CHECK_OK(read_step(*one.as_table()));
+      ROOMWISE_RETURN_IF_ERROR(read_step(*one.as_table()));
     }
     return {};
   }
 
   Expected<void> read_step(const toml::table& table) {
-    ROOMWISE_CHECK_OK(check_keys(table, {"name", "run"}));
+    ROOMWISE_RETURN_IF_ERROR(check_keys(table, {"name", "run"}));
     StudyStep step;
     step.name = table["name"].value_or(std::string());
-    ROOMWISE_CHECK_OK(check_name(table, step.name));
+    ROOMWISE_RETURN_IF_ERROR(check_name(table, step.name));
     Names taken{"data", "study"};
     for (const StudyFactor& factor : study_.factors) taken.push_back(factor.name);
     for (const StudyStep& other : study_.steps) taken.push_back(other.name);
@@ -204,7 +204,7 @@ class StudyReader {
     Names steps;
     for (const StudyStep& step : study_.steps) steps.push_back(step.name);
     for (const auto& [name, node] : members(*table)) {
-      ROOMWISE_CHECK_OK(check_name(*node, name));
+      ROOMWISE_RETURN_IF_ERROR(check_name(*node, name));
       ROOMWISE_TRY(const std::string where, word_of(*node));
       const std::size_t slash = where.find('/');
       if (slash == std::string::npos) {
@@ -232,8 +232,8 @@ class StudyReader {
       return {};
     }
     ROOMWISE_TRY(const toml::table* table, table_in(all, "table"));
-    ROOMWISE_CHECK_OK(check_keys(*table, {"rows", "columns", "digits"}));
-    ROOMWISE_CHECK_OK(read_number(*table, "digits", study_.digits, study_.digits));
+    ROOMWISE_RETURN_IF_ERROR(check_keys(*table, {"rows", "columns", "digits"}));
+    ROOMWISE_RETURN_IF_ERROR(read_number(*table, "digits", study_.digits, study_.digits));
     study_.are_columns = table->get("columns") != nullptr;
     const toml::node* groups = table->get(study_.are_columns ? "columns" : "rows");
     if (groups == nullptr || (study_.are_columns && table->get("rows") != nullptr)) {

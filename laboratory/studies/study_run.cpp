@@ -49,7 +49,7 @@ Expected<int> note_attempt(const fs::path& file) {
     ROOMWISE_TRY(marks, read_text_file(file));
   }
   marks += "begun on " + machine_name() + "\n";
-  ROOMWISE_CHECK_OK(write_file(file, marks));
+  ROOMWISE_RETURN_IF_ERROR(write_file(file, marks));
   return static_cast<int>(std::ranges::count(marks, '\n'));
 }
 
@@ -77,7 +77,7 @@ Expected<nlohmann::json> result_of(const StudyStore& store, const StudyTask& tas
   run.more = {"--threads", std::to_string(store.study().threads)};
   run.log = folder / (step.name + ".log");
   const fs::path kept = folder / (step.name + ".json");
-  if (!fs::exists(kept)) ROOMWISE_CHECK_OK(empty_folder(folders.at(step.name)));
+  if (!fs::exists(kept)) ROOMWISE_RETURN_IF_ERROR(empty_folder(folders.at(step.name)));
   return run_kept(run, kept, program);
 }
 
@@ -114,7 +114,7 @@ Expected<void> run_steps(const StudyStore& store, const StudyTask& task, const R
   }
   for (const StudyStep& step : store.study().steps) {
     ROOMWISE_TRY(const auto printed, result_of(store, task, step, folders, program));
-    ROOMWISE_CHECK_OK(take_values(store.study(), step, printed, result));
+    ROOMWISE_RETURN_IF_ERROR(take_values(store.study(), step, printed, result));
   }
   return {};
 }
@@ -174,7 +174,7 @@ Expected<bool> run_task(const StudyStore& store, const StudyTask& task, const Ru
   result.is_good = ran.has_value();
   if (!ran) result.why = ran.error().message;
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  ROOMWISE_CHECK_OK(store.put(result));
+  ROOMWISE_RETURN_IF_ERROR(store.put(result));
   // What a failed task left tells why.
   if (result.is_good) fs::remove_all(folder, error);
   return true;
@@ -216,7 +216,7 @@ Expected<StudyCount> run_here(const StudyStore& store, std::size_t workers,
   progress.end();
   const Expected<void> written = store.write_tables();
   if (trouble) return Unexpected(*trouble);
-  ROOMWISE_CHECK_OK(written);
+  ROOMWISE_RETURN_IF_ERROR(written);
   return count_of(store);
 }
 

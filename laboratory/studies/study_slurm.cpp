@@ -120,8 +120,8 @@ Expected<std::vector<std::string>> submit(const StudyStore& store, const SlurmOp
     std::string list;
     for (std::size_t i = 0; i < count; ++i) list += open[first + i].id + "\n";
     const fs::path script = folder / (name + ".sh");
-    ROOMWISE_CHECK_OK(write_file(folder / (name + ".tasks"), list));
-    ROOMWISE_CHECK_OK(write_file(script, script_of(store, name, count, options)));
+    ROOMWISE_RETURN_IF_ERROR(write_file(folder / (name + ".tasks"), list));
+    ROOMWISE_RETURN_IF_ERROR(write_file(script, script_of(store, name, count, options)));
     ROOMWISE_TRY(const std::string printed, output_of({"sbatch", "--parsable", script.string()},
                                                       folder / "sbatch.log", interruption));
     // "123", or "123;cluster"
@@ -132,7 +132,7 @@ Expected<std::vector<std::string>> submit(const StudyStore& store, const SlurmOp
     for (const auto& numbers : {before, jobs}) {
       for (const std::string& one : numbers) all += one + "\n";
     }
-    ROOMWISE_CHECK_OK(write_file(jobs_file(store), all));
+    ROOMWISE_RETURN_IF_ERROR(write_file(jobs_file(store), all));
   }
   return jobs;
 }
@@ -155,7 +155,7 @@ Expected<void> wait_for_jobs(const StudyStore& store, const SlurmOptions& option
     const auto until =
         std::chrono::steady_clock::now() + std::chrono::duration<double>(options.look_every_s);
     while (std::chrono::steady_clock::now() < until) {
-      ROOMWISE_CHECK_OK(progress.check("waiting for Slurm; the jobs go on"));
+      ROOMWISE_RETURN_IF_ERROR(progress.check("waiting for Slurm; the jobs go on"));
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
   }

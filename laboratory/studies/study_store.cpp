@@ -75,7 +75,7 @@ Expected<void> write_sqlite(const fs::path& file, const std::vector<Fields>& row
   const fs::path part = file.string() + ".part";
   std::error_code ignored;
   fs::remove(part, ignored);
-  ROOMWISE_CHECK_OK(write_file(part, ""));
+  ROOMWISE_RETURN_IF_ERROR(write_file(part, ""));
   {
     ROOMWISE_TRY(home::Database database,
                  home::Database::open(part, home::Database::Access::kReadWrite));
@@ -88,19 +88,19 @@ Expected<void> write_sqlite(const fs::path& file, const std::vector<Fields>& row
           fmt::format("{}{} {}{}", columns.empty() ? "" : ", ", sql_name(name),
                       may_be_number ? "NUMERIC" : "TEXT", name == "task" ? " PRIMARY KEY" : "");
     }
-    ROOMWISE_CHECK_OK(database.run(fmt::format("CREATE TABLE results ({})", columns)));
+    ROOMWISE_RETURN_IF_ERROR(database.run(fmt::format("CREATE TABLE results ({})", columns)));
     ROOMWISE_TRY(home::Transaction all, home::Transaction::begin(database));
     for (const Fields& row : rows) {
-      ROOMWISE_CHECK_OK(database.run("INSERT INTO results DEFAULT VALUES"));
+      ROOMWISE_RETURN_IF_ERROR(database.run("INSERT INTO results DEFAULT VALUES"));
       for (const auto& [name, value] : row) {
         if (value.empty()) continue;
-        ROOMWISE_CHECK_OK(
+        ROOMWISE_RETURN_IF_ERROR(
             database.run(fmt::format("UPDATE results SET {} = ? WHERE rowid = last_insert_rowid()",
                                      sql_name(name)),
                          value));
       }
     }
-    ROOMWISE_CHECK_OK(all.commit());
+    ROOMWISE_RETURN_IF_ERROR(all.commit());
   }
   fs::rename(part, file, ignored);
   if (ignored) return fail("{}: cannot be put in place: {}", file.string(), ignored.message());
@@ -121,13 +121,13 @@ Expected<StudyStore> StudyStore::create(const fs::path& folder, const fs::path& 
                   there.study().name, study.name);
     }
   }
-  ROOMWISE_CHECK_OK(make_folder(folder / "results"));
-  ROOMWISE_CHECK_OK(make_folder(folder / "tasks"));
-  ROOMWISE_CHECK_OK(write_file(folder / "study.toml", text));
+  ROOMWISE_RETURN_IF_ERROR(make_folder(folder / "results"));
+  ROOMWISE_RETURN_IF_ERROR(make_folder(folder / "tasks"));
+  ROOMWISE_RETURN_IF_ERROR(write_file(folder / "study.toml", text));
   const StoredJson json{{"data", data.empty() ? "" : fs::absolute(data).string()},
                         {"study", fs::absolute(study_file).parent_path().string()},
                         {"version", version}};
-  ROOMWISE_CHECK_OK(write_file(facts, json.dump(2) + "\n"));
+  ROOMWISE_RETURN_IF_ERROR(write_file(facts, json.dump(2) + "\n"));
   return open(folder);
 }
 
@@ -207,7 +207,7 @@ Expected<void> StudyStore::write_tables() const {
   std::vector<Fields> rows;
   for (const TaskResult& result : all) rows.push_back(fields_of(study_, result));
   if (rows.empty()) return {};
-  ROOMWISE_CHECK_OK(write_csv(folder_ / "results.csv", rows));
+  ROOMWISE_RETURN_IF_ERROR(write_csv(folder_ / "results.csv", rows));
   return write_sqlite(folder_ / "results.sqlite", rows);
 }
 

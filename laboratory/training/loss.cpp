@@ -94,7 +94,7 @@ Expected<HeldOutScore> score_held_out(const TrainableGraph& graph, const Trainin
     pictures.clear();
   }
   const at::Tensor shared = at::tensor({sums.cross_entropy, sums.right}, at::kFloat).to(device);
-  ROOMWISE_CHECK_OK(processes.average({&shared, 1}));
+  ROOMWISE_RETURN_IF_ERROR(processes.average({&shared, 1}));
   if (processes.count() > 1) {
     sums.cross_entropy = shared[0].item<double>() * processes.count();
     sums.right = std::round(shared[1].item<double>() * processes.count());

@@ -29,7 +29,7 @@ using OperatorTable = std::map<std::string, MakeOperation>;
 // Reshape for values that do not hang on the network's input: their first size is no batch.
 [[nodiscard]] Operation reshape_of_constant();
 
-// What moves, reshapes and picks values.
+// What moves, reshapes and slices values.
 [[nodiscard]] const OperatorTable& shape_operators();
 
 // Whole numbers of a small tensor.

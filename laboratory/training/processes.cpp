@@ -63,7 +63,7 @@ class Group final : public Processes {
 
   [[nodiscard]] Expected<Bytes> broadcast(Bytes bytes) override {
     const auto device = at::Device(on_gpu_ ? at::kCUDA : at::kCPU);
-    ROOMWISE_CHECK_OK(in_group([&] {
+    ROOMWISE_RETURN_IF_ERROR(in_group([&] {
       std::vector<at::Tensor> size{at::full({1}, std::ssize(bytes), at::kLong).to(device)};
       group_->broadcast(size)->wait();
       bytes.resize(static_cast<std::size_t>(size.front().item<std::int64_t>()));

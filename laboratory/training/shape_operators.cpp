@@ -1,4 +1,4 @@
-// What moves, reshapes and picks values.
+// What moves, reshapes and slices values.
 #include <ATen/Functions.h>
 #include <ATen/TensorOperators.h>
 

@@ -181,7 +181,7 @@ Expected<TrainableGraph> TrainableGraph::create(network::OnnxGraph graph,
     const network::Node& node = made.graph_.nodes[i];
     const auto wanted = [&](const std::string& value) { return needed.contains(value); };
     if (!std::ranges::any_of(node.outputs, wanted)) continue;
-    ROOMWISE_CHECK_OK(builder.add_node(node, i >= first));
+    ROOMWISE_RETURN_IF_ERROR(builder.add_node(node, i >= first));
   }
   for (const std::string& output : outputs) {
     if (!builder.places.contains(output)) return fail("the network has no output \"{}\"", output);

@@ -48,7 +48,7 @@ class Training {
       : task_(task), options_(options), processes_(processes), progress_(progress) {}
 
   Expected<TrainingResult> run() {
-    ROOMWISE_CHECK_OK(begin());
+    ROOMWISE_RETURN_IF_ERROR(begin());
     BatchLoaderOptions loading;
     loading.batch = options_.batch;
     loading.rank = processes_.rank();
@@ -62,9 +62,9 @@ class Training {
     while (state_.step < options_.steps && !interrupted) {
       ROOMWISE_TRY(interrupted, make_step(loader));
       const bool last = state_.step == options_.steps;
-      if (last || state_.step % options_.evaluate_every == 0) ROOMWISE_CHECK_OK(evaluate());
+      if (last || state_.step % options_.evaluate_every == 0) ROOMWISE_RETURN_IF_ERROR(evaluate());
       if (interrupted || last || state_.step % options_.checkpoint_every == 0)
-        ROOMWISE_CHECK_OK(write_checkpoint());
+        ROOMWISE_RETURN_IF_ERROR(write_checkpoint());
       progress_.advance(static_cast<std::uint64_t>(state_.step), note());
     }
     progress_.end();
@@ -73,7 +73,7 @@ class Training {
 
  private:
   Expected<void> begin() {
-    ROOMWISE_CHECK_OK(options_.validate());
+    ROOMWISE_RETURN_IF_ERROR(options_.validate());
     if (task_.training == nullptr || task_.training->size() == 0)
       return fail("there are no pictures to train on");
     ROOMWISE_TRY(const bool on_gpu, use_gpu(options_.device));
@@ -87,9 +87,9 @@ class Training {
     state_ = begin_training(*graph_, options_);
     if (state_.tensors.empty()) return fail("no layer is trained; train from an earlier one");
     ROOMWISE_TRY(const std::string what, description());
-    ROOMWISE_CHECK_OK(check_same_as_others(what));
+    ROOMWISE_RETURN_IF_ERROR(check_same_as_others(what));
     fingerprint_ = fmt::format("{}threads {}\n", what, options_.threads);
-    if (options_.resume) ROOMWISE_CHECK_OK(read_checkpoint());
+    if (options_.resume) ROOMWISE_RETURN_IF_ERROR(read_checkpoint());
     return {};
   }
 
@@ -127,13 +127,13 @@ class Training {
                                         static_cast<std::uint64_t>(processes_.rank())});
     at::manual_seed(random.next());
     ROOMWISE_TRY(const Values outputs, graph_->forward(batch.pictures, true));
-    ROOMWISE_CHECK_OK(check_outputs(outputs));
+    ROOMWISE_RETURN_IF_ERROR(check_outputs(outputs));
     const at::Tensor loss = loss_of(outputs, batch.labels, options_);
     loss.backward();
     const at::Tensor told =
         at::tensor({loss.item<float>(), progress_.interrupted() ? 1.0F : 0.0F}, at::kFloat)
             .to(device_);
-    ROOMWISE_CHECK_OK(average_with_others(told));
+    ROOMWISE_RETURN_IF_ERROR(average_with_others(told));
     const double entropy = told[0].item<double>();
     if (!std::isfinite(entropy)) {
       return fail("the cross-entropy is no number any more at step {}; try a lower learning rate",

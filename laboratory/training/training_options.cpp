@@ -30,20 +30,21 @@ Expected<void> TrainingOptions::validate() const {
     if (value >= low && value <= high) return {};
     return fail("{} is {}; expected a number from {} to {}", name, value, low, high);
   };
-  ROOMWISE_CHECK_OK(at_least(steps, 1, "steps"));
-  ROOMWISE_CHECK_OK(at_least(batch, 1, "batch"));
-  ROOMWISE_CHECK_OK(at_least(rate.decay_every, 1, "decay_every"));
-  ROOMWISE_CHECK_OK(at_least(rate.warm_up_steps, 0, "warm_up_steps"));
-  ROOMWISE_CHECK_OK(at_least(evaluate_every, 1, "evaluate_every"));
-  ROOMWISE_CHECK_OK(at_least(checkpoint_every, 1, "checkpoint_every"));
-  ROOMWISE_CHECK_OK(at_least(threads, 1, "threads"));
-  ROOMWISE_CHECK_OK(at_least(static_cast<std::int64_t>(loader_threads), 1, "loader_threads"));
-  ROOMWISE_CHECK_OK(between(rate.base, 1e-12, 1e3, "the learning rate"));
-  ROOMWISE_CHECK_OK(between(rate.decay, 0, 1, "decay"));
-  ROOMWISE_CHECK_OK(between(momentum, 0, 0.9999, "momentum"));
-  ROOMWISE_CHECK_OK(between(weight_decay, 0, 1, "weight_decay"));
-  ROOMWISE_CHECK_OK(between(label_smoothing, 0, 0.9, "label_smoothing"));
-  ROOMWISE_CHECK_OK(between(aux_weight, 0, 10, "aux_weight"));
+  ROOMWISE_RETURN_IF_ERROR(at_least(steps, 1, "steps"));
+  ROOMWISE_RETURN_IF_ERROR(at_least(batch, 1, "batch"));
+  ROOMWISE_RETURN_IF_ERROR(at_least(rate.decay_every, 1, "decay_every"));
+  ROOMWISE_RETURN_IF_ERROR(at_least(rate.warm_up_steps, 0, "warm_up_steps"));
+  ROOMWISE_RETURN_IF_ERROR(at_least(evaluate_every, 1, "evaluate_every"));
+  ROOMWISE_RETURN_IF_ERROR(at_least(checkpoint_every, 1, "checkpoint_every"));
+  ROOMWISE_RETURN_IF_ERROR(at_least(threads, 1, "threads"));
+  ROOMWISE_RETURN_IF_ERROR(
+      at_least(static_cast<std::int64_t>(loader_threads), 1, "loader_threads"));
+  ROOMWISE_RETURN_IF_ERROR(between(rate.base, 1e-12, 1e3, "the learning rate"));
+  ROOMWISE_RETURN_IF_ERROR(between(rate.decay, 0, 1, "decay"));
+  ROOMWISE_RETURN_IF_ERROR(between(momentum, 0, 0.9999, "momentum"));
+  ROOMWISE_RETURN_IF_ERROR(between(weight_decay, 0, 1, "weight_decay"));
+  ROOMWISE_RETURN_IF_ERROR(between(label_smoothing, 0, 0.9, "label_smoothing"));
+  ROOMWISE_RETURN_IF_ERROR(between(aux_weight, 0, 10, "aux_weight"));
   if (resume && checkpoint.empty()) return fail("resume: there is no checkpoint to go on from");
   return augmentation.validate();
 }

@@ -225,7 +225,7 @@ Expected<ChangeEvaluation> evaluate_changes(const home::Home& home,
                                             const std::filesystem::path& visit,
                                             const pipeline::HomeUpdate& update,
                                             double min_shift_m) {
-  ROOMWISE_CHECK_OK(mapped_walk(home, mapped));
+  ROOMWISE_RETURN_IF_ERROR(mapped_walk(home, mapped));
   ROOMWISE_TRY(const geometry::RigidTransform truth_from_world, truth_from_map(home, mapped));
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(const ByName before, read_by_name(mapped));

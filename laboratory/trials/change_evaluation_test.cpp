@@ -100,8 +100,8 @@ class ChangeEvaluationTest : public ::testing::Test {
   }
   Expected<ChangeEvaluation> evaluate(const std::vector<ObjectTruth>& before,
                                       const std::vector<ObjectTruth>& now) {
-    ROOMWISE_CHECK_OK(simulation::write_objects_truth(mapped() / "objects.json", before));
-    ROOMWISE_CHECK_OK(simulation::write_objects_truth(visit() / "objects.json", now));
+    ROOMWISE_RETURN_IF_ERROR(simulation::write_objects_truth(mapped() / "objects.json", before));
+    ROOMWISE_RETURN_IF_ERROR(simulation::write_objects_truth(visit() / "objects.json", now));
     write_plan(mapped(), 1.4);
     write_plan(visit(), door_now_rad_);
     return evaluate_changes(*home_, mapped(), visit(), update_, 0.1);

@@ -48,7 +48,7 @@ evaluation::StandingRoom found_cells(const simulation::FloorPlanTruth& plan,
 Expected<FloorEvaluation> evaluate_floor(const home::Home& home,
                                          const std::filesystem::path& recording,
                                          pipeline::RunContext& run) {
-  ROOMWISE_CHECK_OK(mapped_walk(home, recording));
+  ROOMWISE_RETURN_IF_ERROR(mapped_walk(home, recording));
   ROOMWISE_TRY(const simulation::FloorPlanTruth plan,
                simulation::read_floor_plan(recording / "floorplan.json"));
   const simulation::FreeSpaceTruth& truth = plan.free_space;

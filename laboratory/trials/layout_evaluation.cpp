@@ -122,7 +122,7 @@ void measure_stairs(const PlanPair& plans, LayoutEvaluation& result) {
 Expected<LayoutEvaluation> evaluate_layout(const home::Home& home,
                                            const std::filesystem::path& recording,
                                            pipeline::RunContext& run) {
-  ROOMWISE_CHECK_OK(mapped_walk(home, recording));
+  ROOMWISE_RETURN_IF_ERROR(mapped_walk(home, recording));
   ROOMWISE_TRY(const simulation::FloorPlanTruth plan,
                simulation::read_floor_plan(recording / "floorplan.json"));
   ROOMWISE_TRY(const auto things, simulation::read_objects_truth(recording / "objects.json"));

@@ -137,7 +137,7 @@ Expected<std::vector<LocalizationTrial>> evaluate_localization(
   }
   ask_block();
   run.progress.end();
-  ROOMWISE_CHECK_OK(run.progress.check("localising"));
+  ROOMWISE_RETURN_IF_ERROR(run.progress.check("localising"));
   return trials;
 }
 

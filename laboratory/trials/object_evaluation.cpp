@@ -190,12 +190,12 @@ Expected<HomeTruth> home_truth(const home::Home& home, const ObjectTruthFiles& t
       ROOMWISE_TRY(recording, recording_of(home));
     }
   }
-  ROOMWISE_CHECK_OK(mapped_walk(home, recording));
+  ROOMWISE_RETURN_IF_ERROR(mapped_walk(home, recording));
   HomeTruth result;
   if (marked) {
-    ROOMWISE_CHECK_OK(add_marked(home, *marked, recording, result));
+    ROOMWISE_RETURN_IF_ERROR(add_marked(home, *marked, recording, result));
   } else {
-    ROOMWISE_CHECK_OK(add_nameable(home, recording, result));
+    ROOMWISE_RETURN_IF_ERROR(add_nameable(home, recording, result));
   }
   ROOMWISE_TRY(result.truth_from_world, truth_from_map(home, recording));
   return result;

@@ -57,8 +57,8 @@ Expected<std::vector<LabelledPicture>> known_pictures(const RoomTest& test) {
   if (!test.visits.empty()) {
     ROOMWISE_TRY(selection.visits, pipeline::parse_visits(test.visits));
   }
-  ROOMWISE_CHECK_OK(pipeline::add_frames(recorded, labels, {selection, 0}, all_rooms(labels),
-                                         test.folder.filename().string(), pictures));
+  ROOMWISE_RETURN_IF_ERROR(pipeline::add_frames(recorded, labels, {selection, 0}, all_rooms(labels),
+                                                test.folder.filename().string(), pictures));
   return pictures;
 }
 
@@ -283,7 +283,7 @@ Expected<RoomCase> parse_evidence(const nlohmann::json& json) {
   for (const auto& [name, member] : kCalibration) {
     json.at("calibration").at(name).get_to(one.calibration.*member);
   }
-  ROOMWISE_CHECK_OK(one.calibration.validate());
+  ROOMWISE_RETURN_IF_ERROR(one.calibration.validate());
   const auto rooms = static_cast<Eigen::Index>(one.rooms.size());
   for (const auto& seen : json.at("pictures")) {
     SeenPicture picture{seen.at("room"),

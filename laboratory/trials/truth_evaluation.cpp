@@ -114,7 +114,7 @@ Expected<evaluation::CloudError> evaluate_map(const home::Home& home,
                                               const std::filesystem::path& furniture,
                                               const MapEvaluationOptions& options,
                                               pipeline::RunContext& run) {
-  ROOMWISE_CHECK_OK(mapped_walk(home, recording));
+  ROOMWISE_RETURN_IF_ERROR(mapped_walk(home, recording));
   ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(furniture));
   ROOMWISE_TRY(const RecordedHome recorded, recorded_home(recording, catalogue));
   ROOMWISE_TRY(auto keyframes, pipeline::map_keyframes(home));

@@ -144,7 +144,7 @@ double error_of(const PoseGraph& graph) {
       }
     }
   }
-  return mapping::pose_graph_error(graph.graph);
+  return mapping::pose_graph_chi2(graph.graph);
 }
 
 PoseGraphReport optimize(PoseGraph& graph, int max_iterations, double relative_tolerance,

@@ -77,7 +77,7 @@ Expected<MapReport> map_into(home::Home& home, recording::Recording& source,
                      "interrupted after {} frames, {} key-frames; go on with resume=True",
                      summary.frames, summary.keyframes);
   }
-  ROOMWISE_CHECK_OK(name_rooms_of_recording(request.recording, home));
+  ROOMWISE_RETURN_IF_ERROR(name_rooms_of_recording(request.recording, home));
   MapReport report{std::move(summary), frames.damage()};
   for (const auto& [id, why] : run.lost->all()) report.damaged.push_back(why);
   return report;
@@ -159,7 +159,7 @@ LearningReport learn_rooms(const py::object& home, const py::object& labels,
       if (!walk.empty()) learning.walks.push_back(id);
       if (!labels_file.empty()) {
         ROOMWISE_TRY(const auto read, recording::RoomLabels::read(labels_file));
-        ROOMWISE_CHECK_OK(pipeline::name_rooms(opened, id, read));
+        ROOMWISE_RETURN_IF_ERROR(pipeline::name_rooms(opened, id, read));
       }
     }
     pipeline::Networks looking;  // what they saw in the key-frames themselves is stored

@@ -31,7 +31,7 @@ namespace {
 TEST(Error, KeepsItsCodeOnItsWay) {
   const Expected<void> refused = fail_with(ErrorCode::kRefused, "no {}", "entry");
   const auto pass_on = [&]() -> Expected<int> {
-    ROOMWISE_CHECK_OK(refused);
+    ROOMWISE_RETURN_IF_ERROR(refused);
     return 1;
   };
   EXPECT_EQ(pass_on().error().code, ErrorCode::kRefused);

@@ -63,8 +63,9 @@ template <typename... Args>
   if (!temporary) return ::roomwise::Unexpected(std::move(temporary).error()); \
   declaration = std::move(*temporary)
 
-// ROOMWISE_CHECK_OK(file.write(bytes));  returns the error of an Expected<void> to the caller.
-#define ROOMWISE_CHECK_OK(expression) \
+// ROOMWISE_RETURN_IF_ERROR(file.write(bytes));  returns the error of an Expected<void> to the
+// caller.
+#define ROOMWISE_RETURN_IF_ERROR(expression) \
   ROOMWISE_CHECK_OK_(ROOMWISE_CONCAT(status_, __LINE__), expression)
 #define ROOMWISE_CHECK_OK_(temporary, expression)                  \
   do {                                                             \

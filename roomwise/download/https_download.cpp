@@ -83,10 +83,10 @@ class Transfer {
     long status = 0;
     curl_easy_getinfo(curl_, CURLINFO_RESPONSE_CODE, &status);
     status_ = status;
-    ROOMWISE_CHECK_OK(part_.flush_to_disk());
-    ROOMWISE_CHECK_OK(taken_);
+    ROOMWISE_RETURN_IF_ERROR(part_.flush_to_disk());
+    ROOMWISE_RETURN_IF_ERROR(taken_);
     if (code != CURLE_OK) return describe(code);
-    if (!begun_) ROOMWISE_CHECK_OK(begin_body());  // an empty file
+    if (!begun_) ROOMWISE_RETURN_IF_ERROR(begin_body());  // an empty file
     if (range_ && received_ < range_->whole) {
       return fail(
           "{}: the server has sent no more than the first {} of {} bytes so far; try again: it "
@@ -190,9 +190,9 @@ class Transfer {
     }
     resumed_from_ = range_ ? rest_.bytes : 0;
     received_ = resumed_from_;
-    ROOMWISE_CHECK_OK(check_announced_size());
+    ROOMWISE_RETURN_IF_ERROR(check_announced_size());
     if (range_) return {};  // of the same file, so that its ETag stays as it is
-    ROOMWISE_CHECK_OK(part_.clear());
+    ROOMWISE_RETURN_IF_ERROR(part_.clear());
     return part_.set_origin(etag_.empty() ? "" : url_ + "\n" + etag_);
   }
 
@@ -218,7 +218,7 @@ class Transfer {
 
   bool take_body(const char* bytes, std::size_t size) {
     taken_ = [&]() -> Expected<void> {
-      if (!begun_) ROOMWISE_CHECK_OK(begin_body());
+      if (!begun_) ROOMWISE_RETURN_IF_ERROR(begin_body());
       received_ += size;
       if (received_ > expected_.bytes.value_or(options_.max_bytes) ||
           received_ > options_.max_bytes) {
@@ -229,7 +229,7 @@ class Transfer {
         return fail("{}: the server sends more than the {} bytes that it has announced", url_,
                     range_->whole);
       }
-      ROOMWISE_CHECK_OK(part_.append({reinterpret_cast<const std::uint8_t*>(bytes), size}));
+      ROOMWISE_RETURN_IF_ERROR(part_.append({reinterpret_cast<const std::uint8_t*>(bytes), size}));
       progress_.advance(received_, "");
       return {};
     }();
@@ -283,7 +283,7 @@ Expected<void> DownloadOptions::validate() const {
 Expected<FetchedFile> download(const std::string& url, const fs::path& target,
                                const ExpectedFile& expected, Progress& progress,
                                const DownloadOptions& options) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   if (!url.starts_with("https://")) {
     return fail("{}: is not an https address; nothing is fetched unprotected", url);
   }
@@ -295,7 +295,7 @@ Expected<FetchedFile> download(const std::string& url, const fs::path& target,
   Transfer transfer(url, part, expected, progress, options, rest);
   Expected<std::uint64_t> resumed = transfer.run();
   if (!resumed && rest.bytes > 0 && transfer.range_was_refused()) {
-    ROOMWISE_CHECK_OK(part.clear());
+    ROOMWISE_RETURN_IF_ERROR(part.clear());
     Transfer anew(url, part, expected, progress, options, {});
     resumed = anew.run();
   }

@@ -39,7 +39,7 @@ Expected<void> read_blocks(const fs::path& path, const Take& take) {
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return failed(path, "cannot be read");
     if (got == 0) return {};
-    ROOMWISE_CHECK_OK(take(Block(block).first(static_cast<std::size_t>(got))));
+    ROOMWISE_RETURN_IF_ERROR(take(Block(block).first(static_cast<std::size_t>(got))));
   }
 }
 
@@ -51,7 +51,7 @@ Expected<FetchedFile> measure(const fs::path& path) {
   const std::unique_ptr<EVP_MD_CTX, ContextFreer> context(EVP_MD_CTX_new());
   EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr);
   FetchedFile found;
-  ROOMWISE_CHECK_OK(read_blocks(path, [&](Block block) -> Expected<void> {
+  ROOMWISE_RETURN_IF_ERROR(read_blocks(path, [&](Block block) -> Expected<void> {
     EVP_DigestUpdate(context.get(), block.data(), block.size());
     found.bytes += block.size();
     return {};
@@ -94,7 +94,7 @@ bool is_digest_begin(std::string_view text) {
 
 Expected<FetchedFile> check_file(const fs::path& file, const ExpectedFile& expected) {
   ROOMWISE_TRY(FetchedFile found, measure(file));
-  ROOMWISE_CHECK_OK(compare(file, found, expected));
+  ROOMWISE_RETURN_IF_ERROR(compare(file, found, expected));
   return found;
 }
 
@@ -148,7 +148,7 @@ Expected<void> PartFile::set_origin(std::string_view origin) {
 }
 
 Expected<void> PartFile::clear() {
-  ROOMWISE_CHECK_OK(set_origin(""));
+  ROOMWISE_RETURN_IF_ERROR(set_origin(""));
   if (::ftruncate(descriptor_, 0) != 0) return failed(path_, "cannot be emptied");
   return {};
 }
@@ -178,8 +178,8 @@ Expected<FetchedFile> PartFile::accept(const ExpectedFile& expected,
     remove();
     return Unexpected(as_expected.error());
   }
-  if (before_naming) ROOMWISE_CHECK_OK(before_naming(found));
-  ROOMWISE_CHECK_OK(set_origin(""));
+  if (before_naming) ROOMWISE_RETURN_IF_ERROR(before_naming(found));
+  ROOMWISE_RETURN_IF_ERROR(set_origin(""));
   std::error_code error;
   fs::rename(path_, target_, error);
   if (error) return fail("{}: cannot be put in place: {}", target_.string(), error.message());
@@ -190,15 +190,15 @@ Expected<FetchedFile> PartFile::accept(const ExpectedFile& expected,
 Expected<FetchedFile> copy_checked(const fs::path& source, const fs::path& target,
                                    const ExpectedFile& expected,
                                    const BeforeNaming& before_naming) {
-  ROOMWISE_CHECK_OK(check_file(source, expected));
+  ROOMWISE_RETURN_IF_ERROR(check_file(source, expected));
   ROOMWISE_TRY(PartFile part, PartFile::open(target));
-  ROOMWISE_CHECK_OK(part.clear());
+  ROOMWISE_RETURN_IF_ERROR(part.clear());
   const auto copied = read_blocks(source, [&](Block block) { return part.append(block); });
   if (!copied) {
     part.remove();
     return Unexpected(copied.error());
   }
-  ROOMWISE_CHECK_OK(part.flush_to_disk());
+  ROOMWISE_RETURN_IF_ERROR(part.flush_to_disk());
   return part.accept(expected, before_naming);
 }
 

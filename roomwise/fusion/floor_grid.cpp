@@ -106,7 +106,7 @@ std::size_t FloorGrid::count(FloorCell state) const {
 Expected<FloorGrid> make_floor_grid(const TriangleMesh& mesh_gravity,
                                     std::span<const OccupancyCell> cells,
                                     const FloorGridOptions& options) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   const auto cell_of = [&](const Eigen::Vector3f& point) {
     return Vector2i((point.head<2>().cast<double>() / options.cell_m).array().floor().cast<int>());
   };

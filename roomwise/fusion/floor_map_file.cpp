@@ -41,7 +41,7 @@ Expected<void> write_floor_map(const std::filesystem::path& yaml_path, const Flo
       picture += pixel_of(grid.at(column, row));
     }
   }
-  ROOMWISE_CHECK_OK(write_file(picture_path, picture));
+  ROOMWISE_RETURN_IF_ERROR(write_file(picture_path, picture));
   return write_file(
       yaml_path, fmt::format("image: {}\n"
                              "mode: trinary\n"

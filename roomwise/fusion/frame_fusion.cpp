@@ -17,14 +17,14 @@ constexpr double kNearest_m = 0.1;  // from the camera
 constexpr int kTile_px = 16;
 
 // How far a frame sees, in tiles of pixels.
-class FarthestSeen {
+class MaxDepthTiles {
  public:
-  explicit FarthestSeen(const FrameSurface& frame)
+  explicit MaxDepthTiles(const FrameSurface& frame)
       : farthest_m_((frame.camera.width + kTile_px - 1) / kTile_px,
                     (frame.camera.height + kTile_px - 1) / kTile_px) {
     for (int y = 0; y < frame.camera.height; ++y) {
       for (int x = 0; x < frame.camera.width; ++x) {
-        const SurfacePixel& pixel = pixel_of_ideal(frame, x, y);
+        const SurfacePixel& pixel = pixel_at_undistorted(frame, x, y);
         // The plane may lead farther than the pixel: a tile's neighbours are asked too.
         float& farthest_m = farthest_m_.at(x / kTile_px, y / kTile_px);
         farthest_m = std::max(farthest_m, depth_m(frame, pixel, x, y));
@@ -50,21 +50,22 @@ class FarthestSeen {
   }
 
   // What the ideal camera sees there; without any depth where the lens shows nothing of it.
-  [[nodiscard]] static const SurfacePixel& pixel_of_ideal(const FrameSurface& frame, int x, int y) {
+  [[nodiscard]] static const SurfacePixel& pixel_at_undistorted(const FrameSurface& frame, int x,
+                                                                int y) {
     static const SurfacePixel kNothing;
-    if (frame.real_from_ideal->empty()) return frame.pixels.at(x, y);
+    if (frame.distorted_index_of_undistorted->empty()) return frame.pixels.at(x, y);
     const std::int32_t real =
-        (*frame.real_from_ideal)[static_cast<std::size_t>(y) *
-                                     static_cast<std::size_t>(frame.camera.width) +
-                                 static_cast<std::size_t>(x)];
+        (*frame.distorted_index_of_undistorted)[static_cast<std::size_t>(y) *
+                                                    static_cast<std::size_t>(frame.camera.width) +
+                                                static_cast<std::size_t>(x)];
     return real < 0 ? kNothing : frame.pixels.pixels()[static_cast<std::size_t>(real)];
   }
 
  private:
   static float depth_m(const FrameSurface& frame, const SurfacePixel& pixel, int x, int y) {
-    if (!pixel.has_surface()) return pixel.free_to_m;
+    if (!pixel.has_surface()) return pixel.free_depth_m;
     const Vector3f ray = frame.camera.unproject_undistorted({x, y}, 1.0).cast<float>();
-    return std::max(pixel.free_to_m, pixel.offset_m / pixel.normal.dot(ray));
+    return std::max(pixel.free_depth_m, pixel.offset_m / pixel.normal.dot(ray));
   }
 
   image::Image<float> farthest_m_;
@@ -73,7 +74,7 @@ class FarthestSeen {
 // The blocks that may hold voxels which the frame sees, in the order of their keys.
 std::vector<Vector3i> blocks_in_view(const TsdfOptions& field, const FrameSurface& frame,
                                      const RigidTransform& field_from_camera) {
-  const FarthestSeen farthest(frame);
+  const MaxDepthTiles farthest(frame);
   const geometry::PinholeCamera& camera = frame.camera;
   const double reach_m = frame.options.farthest_m + field.truncation_m();
   Eigen::AlignedBox3d bounds(field_from_camera.translation);
@@ -160,10 +161,10 @@ class FrameView {
       return {};
     }
     const SurfacePixel& pixel =
-        FarthestSeen::pixel_of_ideal(frame_, static_cast<int>(px), static_cast<int>(py));
+        MaxDepthTiles::pixel_at_undistorted(frame_, static_cast<int>(px), static_cast<int>(py));
     if (pixel.has_surface()) return observe_surface(pixel, point);
-    if (point.z() + truncation_m_ < pixel.free_to_m) {
-      return {kDistanceSteps, pixel.weight, nullptr};
+    if (point.z() + truncation_m_ < pixel.free_depth_m) {
+      return {kStepsPerTruncation, pixel.weight, nullptr};
     }
     return {};
   }
@@ -172,7 +173,7 @@ class FrameView {
   [[nodiscard]] Observation observe_surface(const SurfacePixel& pixel,
                                             const Vector3f& point) const {
     const float distance_m = pixel.distance_m(point);
-    if (distance_m >= truncation_m_) return {kDistanceSteps, pixel.weight, nullptr};
+    if (distance_m >= truncation_m_) return {kStepsPerTruncation, pixel.weight, nullptr};
     // Behind a surface nothing is seen. A little is believed, so that there is a crossing from
     // before to behind; more would spoil the other side of a door.
     const float noise_m = noise_at_1m_m_ * point.z() * point.z();
@@ -183,9 +184,9 @@ class FrameView {
       const float fading = (behind_m + distance_m) / (behind_m - voxel_m_);
       weight = static_cast<std::uint32_t>(std::max(1.0F, fading * static_cast<float>(weight)));
     }
-    const float steps = distance_m / truncation_m_ * kDistanceSteps;
+    const float steps = distance_m / truncation_m_ * kStepsPerTruncation;
     // The cast cuts off, and the sum is positive: this rounds.
-    const int rounded = static_cast<int>(steps + kDistanceSteps + 0.5F) - kDistanceSteps;
+    const int rounded = static_cast<int>(steps + kStepsPerTruncation + 0.5F) - kStepsPerTruncation;
     const bool is_near = std::abs(distance_m) < 2 * voxel_m_;
     return {rounded, weight, keeps_colors_ && is_near ? &pixel : nullptr};
   }
@@ -200,7 +201,7 @@ class FrameView {
 };
 
 // Sums of unsigned numbers wrap around: taking away is adding the negative.
-void put(VoxelBlock& block, std::size_t offset, const Observation& seen, int sign) {
+void accumulate(VoxelBlock& block, std::size_t offset, const Observation& seen, int sign) {
   const auto factor = static_cast<std::uint32_t>(sign) * seen.weight;
   Voxel& voxel = block.voxels[offset];
   voxel.weight += factor;
@@ -218,8 +219,8 @@ void put(VoxelBlock& block, std::size_t offset, const Observation& seen, int sig
 
 // Every voxel of a block that the frame sees; makes the block where it is missing and something is
 // seen.
-void put_block(std::unique_ptr<VoxelBlock>& made, VoxelBlock* block, const FrameView& view,
-               const Vector3i& place, int sign) {
+void accumulate_block(std::unique_ptr<VoxelBlock>& made, VoxelBlock* block, const FrameView& view,
+                      const Vector3i& place, int sign) {
   const Vector3f first = view.first_voxel(place);
   const Vector3f dx = view.step(0), dy = view.step(1), dz = view.step(2);
   std::size_t offset = 0;
@@ -233,14 +234,14 @@ void put_block(std::unique_ptr<VoxelBlock>& made, VoxelBlock* block, const Frame
           made = std::make_unique<VoxelBlock>();
           block = made.get();
         }
-        put(*block, offset, seen, sign);
+        accumulate(*block, offset, seen, sign);
       }
     }
   }
 }
 
-void put_frame(TsdfVolume& field, const FrameSurface& frame,
-               const RigidTransform& field_from_camera, int sign, ThreadPool& pool) {
+void accumulate_frame(TsdfVolume& field, const FrameSurface& frame,
+                      const RigidTransform& field_from_camera, int sign, ThreadPool& pool) {
   const std::vector<Vector3i> blocks = blocks_in_view(field.options(), frame, field_from_camera);
   const FrameView view(field.options(), frame, field_from_camera);
   std::vector<std::unique_ptr<VoxelBlock>> made(blocks.size());
@@ -250,7 +251,7 @@ void put_frame(TsdfVolume& field, const FrameSurface& frame,
     const std::size_t end = std::min(blocks.size(), (task + 1) * kBlocksATask);
     for (std::size_t i = task * kBlocksATask; i < end; ++i) {
       there[i] = field.find(blocks[i]);
-      put_block(made[i], there[i], view, blocks[i], sign);
+      accumulate_block(made[i], there[i], view, blocks[i], sign);
     }
   });
   for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -265,12 +266,12 @@ void put_frame(TsdfVolume& field, const FrameSurface& frame,
 
 void integrate_frame(TsdfVolume& field, const FrameSurface& frame,
                      const RigidTransform& field_from_camera, ThreadPool& pool) {
-  put_frame(field, frame, field_from_camera, 1, pool);
+  accumulate_frame(field, frame, field_from_camera, 1, pool);
 }
 
 void deintegrate_frame(TsdfVolume& field, const FrameSurface& frame,
                        const RigidTransform& field_from_camera, ThreadPool& pool) {
-  put_frame(field, frame, field_from_camera, -1, pool);
+  accumulate_frame(field, frame, field_from_camera, -1, pool);
 }
 
 }  // namespace roomwise::fusion

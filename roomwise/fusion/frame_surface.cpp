@@ -189,8 +189,8 @@ FrameSurface FrameSurfaceMaker::make(const image::ColorImage& color,
       if (middle <= 0) continue;
       SurfacePixel& pixel = frame.pixels.at(x, y);
       pixel.color = color.at(x, y);
-      pixel.free_to_m = 1 / std::max(nearest.at(x, y), min_inverse);
-      pixel.weight = weight_at(pixel.free_to_m, 1, options_);
+      pixel.free_depth_m = 1 / std::max(nearest.at(x, y), min_inverse);
+      pixel.weight = weight_at(pixel.free_depth_m, 1, options_);
       if (middle < min_inverse) continue;
       // A slope of 45 degrees is likely.
       const float ridge_root =

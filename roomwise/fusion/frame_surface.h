@@ -37,7 +37,7 @@ struct SurfacePixel {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   float offset_m = 0;
   // Nothing was seen nearer than this, along the optical axis; 0: nothing was measured.
-  float free_to_m = 0;
+  float free_depth_m = 0;
   // Proportional to 1 / sigma^2 of the distance, 1 to kMaxPixelWeight.
   std::uint8_t weight = 0;
   Rgb8 color;

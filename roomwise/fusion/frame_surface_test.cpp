@@ -52,20 +52,20 @@ TEST(FrameSurface, TrustsTheNearMoreThanTheFarAndTheOutlineNotAtAll) {
   // The box ends at x = 0.3, z = 1: 78 pixels right of the middle.
   const SurfacePixel& outline = frame.pixels.at(238, 120);
   EXPECT_FALSE(outline.has_surface());
-  EXPECT_NEAR(outline.free_to_m, 1.0F, 0.001F) << "and nothing is believed empty behind the box";
+  EXPECT_NEAR(outline.free_depth_m, 1.0F, 0.001F) << "and nothing is believed empty behind the box";
 }
 
 TEST(FrameSurface, BelievesEmptinessBeforeWhatIsTooFar) {
   const Picture picture = render({half_space(-Vector3d::UnitZ(), -7.0)}, {}, small_camera());
   const FrameSurface frame = FrameSurfaceMaker(small_camera()).make(picture.color, picture.depth);
   EXPECT_FALSE(frame.pixels.at(160, 120).has_surface());
-  EXPECT_FLOAT_EQ(frame.pixels.at(160, 120).free_to_m, 4.5F);
+  EXPECT_FLOAT_EQ(frame.pixels.at(160, 120).free_depth_m, 4.5F);
 }
 
 TEST(FrameSurface, KnowsNothingWhereNothingWasMeasured) {
   const Picture picture{{320, 240}, {320, 240}};
   const FrameSurface frame = FrameSurfaceMaker(small_camera()).make(picture.color, picture.depth);
-  EXPECT_EQ(frame.pixels.at(160, 120).free_to_m, 0);
+  EXPECT_EQ(frame.pixels.at(160, 120).free_depth_m, 0);
   EXPECT_EQ(frame.pixels.at(160, 120).weight, 0);
 }
 

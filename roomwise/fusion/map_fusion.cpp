@@ -5,7 +5,7 @@
 namespace roomwise::fusion {
 
 Expected<void> MapFusionOptions::validate() const {
-  ROOMWISE_CHECK_OK(field.validate());
+  ROOMWISE_RETURN_IF_ERROR(field.validate());
   if (!(max_shift_m >= 0)) return fail("max_shift_m is {}; expected 0 or more", max_shift_m);
   if (!(max_turn_rad >= 0)) return fail("max_turn_rad is {}; expected 0 or more", max_turn_rad);
   return {};

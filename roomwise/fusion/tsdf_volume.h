@@ -23,8 +23,8 @@ struct TsdfOptions {
   [[nodiscard]] double truncation_m() const { return voxel_size_m * truncation_voxels; }
 };
 
-// Distances are summed in steps of truncation / kDistanceSteps.
-constexpr int kDistanceSteps = 1024;
+// Distances are summed in steps of truncation / kStepsPerTruncation.
+constexpr int kStepsPerTruncation = 1024;
 constexpr int kBlockSide = 8;  // voxels
 constexpr int kBlockVoxels = kBlockSide * kBlockSide * kBlockSide;
 
@@ -103,7 +103,9 @@ class TsdfVolume {
   friend bool operator==(const TsdfVolume& a, const TsdfVolume& b);
 
  private:
-  [[nodiscard]] double distance_step_m() const { return options_.truncation_m() / kDistanceSteps; }
+  [[nodiscard]] double distance_step_m() const {
+    return options_.truncation_m() / kStepsPerTruncation;
+  }
 
   TsdfOptions options_;
   std::unordered_map<Key, std::unique_ptr<VoxelBlock>> blocks_;

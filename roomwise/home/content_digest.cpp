@@ -90,7 +90,7 @@ Expected<std::string> table_digest(const Database& database, const std::string& 
   const std::string rows_left_out =
       table == "settings" ? fmt::format("key IN ('{}', '{}')", kProtectionSetting, kErasingSetting)
                           : "FALSE";
-  ROOMWISE_CHECK_OK(database.for_each(
+  ROOMWISE_RETURN_IF_ERROR(database.for_each(
       fmt::format("SELECT {}, {} FROM \"{}\" WHERE NOT ({})", columns,
                   pictures == kPictureColumns.end() ? "0" : pictures->id, table, rows_left_out),
       add_row));

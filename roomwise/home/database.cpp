@@ -37,7 +37,7 @@ Error describe_error(sqlite3* connection, const std::string& file) {
   const int system_error = sqlite3_system_errno(connection);
   const std::string detail =
       system_error != 0 ? std::strerror(system_error) : sqlite3_errmsg(connection);
-  if (code == kWrongChecksum) {
+  if (code == kSqliteChecksumError) {
     return {
         fmt::format("{0}: is damaged (a page differs from its checksum); put back a copy of it, or "
                     "see what is left of it with: roomwise check {0}",
@@ -222,7 +222,7 @@ Expected<void> Database::copy_to(Database& copy) const {
   // What is new is not damaged.
   const int kind = result & 0xff;
   const bool is_source =
-      kind == SQLITE_CORRUPT || kind == SQLITE_NOTADB || result == kWrongChecksum;
+      kind == SQLITE_CORRUPT || kind == SQLITE_NOTADB || result == kSqliteChecksumError;
   return Unexpected(describe_error(copy.handle(), is_source ? file_ : copy.file_));
 }
 
@@ -243,7 +243,7 @@ std::string Database::insert_sql(std::string_view verb, std::string_view into) {
 
 Expected<Transaction> Transaction::begin(Database& database) {
   const bool nested = sqlite3_get_autocommit(database.handle()) == 0;
-  ROOMWISE_CHECK_OK(database.run(nested ? "SAVEPOINT nested" : "BEGIN IMMEDIATE"));
+  ROOMWISE_RETURN_IF_ERROR(database.run(nested ? "SAVEPOINT nested" : "BEGIN IMMEDIATE"));
   return Transaction(database, nested);
 }
 
@@ -257,7 +257,7 @@ Transaction::~Transaction() {
 
 Expected<void> Transaction::commit() {
   // Where it fails, the destructor rolls back.
-  ROOMWISE_CHECK_OK(database_->run(nested_ ? "RELEASE nested" : "COMMIT"));
+  ROOMWISE_RETURN_IF_ERROR(database_->run(nested_ ? "RELEASE nested" : "COMMIT"));
   database_ = nullptr;
   return {};
 }

@@ -117,7 +117,7 @@ class Database {
   // Inserts one row into "table (column, ...)" and gives its number (its INTEGER PRIMARY KEY).
   template <typename... Values>
   [[nodiscard]] Expected<std::int64_t> insert(std::string_view into, const Values&... values) {
-    ROOMWISE_CHECK_OK(run(insert_sql("INSERT", into), values...));
+    ROOMWISE_RETURN_IF_ERROR(run(insert_sql("INSERT", into), values...));
     return sqlite3_last_insert_rowid(handle());
   }
   // The same where the number means nothing.
@@ -261,7 +261,7 @@ Expected<void> Database::for_each(std::string_view sql, Visit&& visit,
     if constexpr (std::is_void_v<std::invoke_result_t<Visit, const Statement&>>) {
       visit(std::as_const(statement));
     } else {
-      ROOMWISE_CHECK_OK(visit(std::as_const(statement)));
+      ROOMWISE_RETURN_IF_ERROR(visit(std::as_const(statement)));
     }
   }
 }

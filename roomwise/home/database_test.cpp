@@ -136,7 +136,7 @@ TEST_F(DatabaseFile, AFullDiskIsSaidAndTheTransactionUndone) {
   const auto fill = [&]() -> Expected<void> {
     ROOMWISE_TRY(Transaction transaction, Transaction::begin(database));
     for (int i = 0; i < 100; ++i) {
-      ROOMWISE_CHECK_OK(database.run("INSERT INTO t VALUES (?)", Bytes(4096)));
+      ROOMWISE_RETURN_IF_ERROR(database.run("INSERT INTO t VALUES (?)", Bytes(4096)));
     }
     return transaction.commit();
   };

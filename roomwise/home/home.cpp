@@ -56,7 +56,7 @@ Expected<void> check_header(const Database& database) {
         "copy of it, or map its recordings anew",
         file);
   }
-  ROOMWISE_CHECK_OK(check_version(file, header.user_version));
+  ROOMWISE_RETURN_IF_ERROR(check_version(file, header.user_version));
   // A write-ahead log or a journal may make it whole.
   if (header.file_bytes < header.expected_bytes && !has_part_beside(file, "-wal") &&
       !has_part_beside(file, "-journal")) {
@@ -95,7 +95,7 @@ Expected<void> check_all_but_images(const Database& database) {
                    "SELECT printf('PRAGMA quick_check(\"%w\")', name) FROM sqlite_schema "
                    "WHERE type = 'table' AND name != 'keyframe_images'",
                    [](const Statement& row) { return row.column<std::string>(0); }));
-  for (const std::string& check : checks) ROOMWISE_CHECK_OK(run_check(database, check));
+  for (const std::string& check : checks) ROOMWISE_RETURN_IF_ERROR(run_check(database, check));
   return {};
 }
 
@@ -149,7 +149,7 @@ Expected<void> make_empty_file(const std::filesystem::path& path) {
 
 Expected<Database> open_for_reading(const std::filesystem::path& path) {
   ROOMWISE_TRY(Database database, Database::open(path, Database::Access::kReadOnly));
-  ROOMWISE_CHECK_OK(check_header(database));
+  ROOMWISE_RETURN_IF_ERROR(check_header(database));
   auto version = database.get<int>("PRAGMA user_version");
   if (version) return database;
   // A home that was not closed wants files beside it, which a read-only medium cannot make.
@@ -170,17 +170,18 @@ Expected<Database> open_for_reading(const std::filesystem::path& path) {
 }  // namespace
 
 Expected<Home> Home::create(const std::filesystem::path& path, const OpenOptions& options) {
-  ROOMWISE_CHECK_OK(make_empty_file(path));
+  ROOMWISE_RETURN_IF_ERROR(make_empty_file(path));
   const auto make = [&]() -> Expected<Home> {
     ROOMWISE_TRY(Database database, Database::open(path, Database::Access::kReadWrite));
     ROOMWISE_TRY(WriterLock lock, WriterLock::take(path));
-    ROOMWISE_CHECK_OK(keep_checksums(database.handle(), database.file()));
-    ROOMWISE_CHECK_OK(configure(database));
-    ROOMWISE_CHECK_OK(create_tables(database));
-    ROOMWISE_CHECK_OK(begin_writing(database));
+    ROOMWISE_RETURN_IF_ERROR(keep_checksums(database.handle(), database.file()));
+    ROOMWISE_RETURN_IF_ERROR(configure(database));
+    ROOMWISE_RETURN_IF_ERROR(create_tables(database));
+    ROOMWISE_RETURN_IF_ERROR(begin_writing(database));
     Home home(std::move(lock), std::move(database));
     if (options.passphrase) {
-      ROOMWISE_CHECK_OK(home.begin_protection(*options.passphrase, ProtectionState::kSealed, {}));
+      ROOMWISE_RETURN_IF_ERROR(
+          home.begin_protection(*options.passphrase, ProtectionState::kSealed, {}));
     }
     return home;
   };
@@ -191,31 +192,31 @@ Expected<Home> Home::create(const std::filesystem::path& path, const OpenOptions
 
 Expected<Home> Home::open(const std::filesystem::path& path, const OpenOptions& options) {
   ROOMWISE_TRY(Database database, Database::open(path, Database::Access::kReadWrite));
-  ROOMWISE_CHECK_OK(check_header(database));
+  ROOMWISE_RETURN_IF_ERROR(check_header(database));
   ROOMWISE_TRY(WriterLock lock, WriterLock::take(path));
   // Until all is found well, closing must not carry a log into the file.
   set_checkpoint_on_close(database, false);
-  ROOMWISE_CHECK_OK(configure(database));
-  ROOMWISE_CHECK_OK(check_again(database));
-  ROOMWISE_CHECK_OK(check_all_but_images(database));
-  ROOMWISE_CHECK_OK(check_tables(database));
+  ROOMWISE_RETURN_IF_ERROR(configure(database));
+  ROOMWISE_RETURN_IF_ERROR(check_again(database));
+  ROOMWISE_RETURN_IF_ERROR(check_all_but_images(database));
+  ROOMWISE_RETURN_IF_ERROR(check_tables(database));
   set_checkpoint_on_close(database, true);
-  ROOMWISE_CHECK_OK(begin_writing(database));
-  ROOMWISE_CHECK_OK(add_later_tables(database));
+  ROOMWISE_RETURN_IF_ERROR(begin_writing(database));
+  ROOMWISE_RETURN_IF_ERROR(add_later_tables(database));
   return with_protection_state(Home(std::move(lock), std::move(database)), options);
 }
 
 Expected<Home> Home::open_read_only(const std::filesystem::path& path, const OpenOptions& options) {
   ROOMWISE_TRY(Database database, open_for_reading(path));
-  ROOMWISE_CHECK_OK(configure(database));
-  ROOMWISE_CHECK_OK(check_again(database));
-  ROOMWISE_CHECK_OK(check_tables(database));
+  ROOMWISE_RETURN_IF_ERROR(configure(database));
+  ROOMWISE_RETURN_IF_ERROR(check_again(database));
+  ROOMWISE_RETURN_IF_ERROR(check_tables(database));
   return with_protection_state(Home(std::nullopt, std::move(database)), options);
 }
 
 Expected<Home> Home::another_reader() const {
   ROOMWISE_TRY(Database database, open_for_reading(file()));
-  ROOMWISE_CHECK_OK(configure(database));
+  ROOMWISE_RETURN_IF_ERROR(configure(database));
   Home reader(std::nullopt, std::move(database));
   reader.protected_ = protected_;
   reader.cipher_ = cipher_;
@@ -229,7 +230,7 @@ Home::~Home() {
 
 Expected<void> Home::atomically(const std::function<Expected<void>()>& work) {
   ROOMWISE_TRY(Transaction transaction, Transaction::begin(database_));
-  ROOMWISE_CHECK_OK(work());
+  ROOMWISE_RETURN_IF_ERROR(work());
   return transaction.commit();
 }
 
@@ -255,7 +256,7 @@ Expected<std::map<std::string, std::string>> Home::settings() const {
 Expected<void> Home::add_stage_timings(const std::map<std::string, StageClock::Stage>& stages) {
   return atomically([&]() -> Expected<void> {
     for (const auto& [name, stage] : stages) {
-      ROOMWISE_CHECK_OK(database_.run(
+      ROOMWISE_RETURN_IF_ERROR(database_.run(
           "INSERT INTO stage_timings (stage, calls, wall_s, cpu_s) VALUES (?, ?, ?, ?) "
           "ON CONFLICT (stage) DO UPDATE SET calls = calls + excluded.calls, "
           "wall_s = wall_s + excluded.wall_s, cpu_s = cpu_s + excluded.cpu_s",
@@ -291,15 +292,15 @@ Expected<void> Home::copy_to(const std::filesystem::path& path) const {
   }
   std::filesystem::remove(partial, ignored);  // of a copy that was stopped
   const auto copy = [&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(make_empty_file(partial));
+    ROOMWISE_RETURN_IF_ERROR(make_empty_file(partial));
     {
       ROOMWISE_TRY(Database target, Database::open(partial, Database::Access::kReadWrite));
-      ROOMWISE_CHECK_OK(keep_checksums(target.handle(), target.file()));
+      ROOMWISE_RETURN_IF_ERROR(keep_checksums(target.handle(), target.file()));
       // The first page is copied last; with it on the disk before, the others get their checksums.
-      ROOMWISE_CHECK_OK(target.run_script("PRAGMA user_version = 1"));
-      ROOMWISE_CHECK_OK(database_.copy_to(target));
+      ROOMWISE_RETURN_IF_ERROR(target.run_script("PRAGMA user_version = 1"));
+      ROOMWISE_RETURN_IF_ERROR(database_.copy_to(target));
       // The copy of a home that is written would want a log beside it.
-      ROOMWISE_CHECK_OK(target.run("PRAGMA journal_mode = DELETE"));
+      ROOMWISE_RETURN_IF_ERROR(target.run("PRAGMA journal_mode = DELETE"));
     }
     ROOMWISE_TRY(const Home copied, open_read_only(partial));
     return copied.verify();
@@ -321,7 +322,7 @@ Expected<bool> Home::owes_erasing() const {
 }
 
 Expected<void> Home::erase_removed() {
-  ROOMWISE_CHECK_OK(database_.run("VACUUM"));
+  ROOMWISE_RETURN_IF_ERROR(database_.run("VACUUM"));
   // The pages as they were lie in the log and in the main file until both are written over.
   ROOMWISE_TRY(const auto busy, database_.get<bool>("PRAGMA wal_checkpoint(TRUNCATE)"));
   if (busy) {

@@ -32,11 +32,11 @@ Expected<void> insert_place(Database& database, EditId id, std::size_t number,
 
 Expected<EditId> Home::add_edit(const Edit& edit) {
   EditId id = 0;
-  ROOMWISE_CHECK_OK(atomically([&]() -> Expected<void> {
+  ROOMWISE_RETURN_IF_ERROR(atomically([&]() -> Expected<void> {
     ROOMWISE_TRY(id, database_.insert("edits (made_s, made_by, what, change, before)", edit.made_s,
                                       edit.made_by, edit.what, edit.change, edit.before));
     for (std::size_t i = 0; i < edit.places.size(); ++i) {
-      ROOMWISE_CHECK_OK(insert_place(database_, id, i, edit.places[i]));
+      ROOMWISE_RETURN_IF_ERROR(insert_place(database_, id, i, edit.places[i]));
     }
     return {};
   }));
@@ -60,7 +60,7 @@ Expected<std::vector<Edit>> Home::edits() const {
                                              .places = {}};
                                }));
   for (Edit& edit : edits) {
-    ROOMWISE_CHECK_OK(database_.for_each(
+    ROOMWISE_RETURN_IF_ERROR(database_.for_each(
         "SELECT name, keyframe_id, left_px, top_px, right_px, bottom_px, tx_m, ty_m, tz_m, qx, qy, "
         "qz, qw, width_m, depth_m, height_m FROM edit_places WHERE edit_id = ? ORDER BY place",
         [&](const Statement& row) -> Expected<void> {
@@ -78,21 +78,22 @@ Expected<std::vector<Edit>> Home::edits() const {
 }
 
 Expected<void> Home::remove_edit(EditId id) {
-  ROOMWISE_CHECK_OK(database_.run("DELETE FROM edits WHERE edit_id = ?", id));
+  ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM edits WHERE edit_id = ?", id));
   if (sqlite3_changes(database_.handle()) > 0) return {};
   return fail("{}: has no change {}", file(), id);
 }
 
 Expected<void> Home::replace_edit(const Edit& edit) {
   return atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(database_.run("UPDATE edits SET change = ?, before = ? WHERE edit_id = ?",
-                                    edit.change, edit.before, edit.id));
+    ROOMWISE_RETURN_IF_ERROR(
+        database_.run("UPDATE edits SET change = ?, before = ? WHERE edit_id = ?", edit.change,
+                      edit.before, edit.id));
     if (sqlite3_changes(database_.handle()) == 0) {
       return fail("{}: has no change {}", file(), edit.id);
     }
-    ROOMWISE_CHECK_OK(database_.run("DELETE FROM edit_places WHERE edit_id = ?", edit.id));
+    ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM edit_places WHERE edit_id = ?", edit.id));
     for (std::size_t i = 0; i < edit.places.size(); ++i) {
-      ROOMWISE_CHECK_OK(insert_place(database_, edit.id, i, edit.places[i]));
+      ROOMWISE_RETURN_IF_ERROR(insert_place(database_, edit.id, i, edit.places[i]));
     }
     return {};
   });

@@ -218,7 +218,7 @@ TEST_F(HomeFile, IsReadWhileItIsWritten) {
     ASSERT_OK(writer.put_setting("seed", "9"));
     EXPECT_EQ(reader.settings()->at("seed"), "9");
     const auto inside = writer.atomically([&]() -> Expected<void> {
-      ROOMWISE_CHECK_OK(writer.put_setting("seed", "10"));
+      ROOMWISE_RETURN_IF_ERROR(writer.put_setting("seed", "10"));
       EXPECT_EQ(reader.settings()->at("seed"), "9") << "not committed";
       return {};
     });

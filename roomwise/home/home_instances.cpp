@@ -38,8 +38,9 @@ Expected<FinderId> Home::add_region_finder(const RegionFinderRecord& finder) {
           file(), finder.name);
     }
     if (other.name != finder.name) {
-      ROOMWISE_CHECK_OK(database_.run("UPDATE region_finders SET name = ? WHERE fingerprint = ?",
-                                      finder.name, finder.fingerprint));
+      ROOMWISE_RETURN_IF_ERROR(
+          database_.run("UPDATE region_finders SET name = ? WHERE fingerprint = ?", finder.name,
+                        finder.fingerprint));
     }
     return id;
   }
@@ -64,15 +65,16 @@ Expected<void> Home::put_detections(KeyframeId keyframe, FinderId finder,
   return atomically([&]() -> Expected<void> {
     ROOMWISE_TRY(const Bytes depth, encrypt_if_protected(keyframe, PictureKind::kCoarseDepth,
                                                          depth_to_blob(look.coarse_depth)));
-    ROOMWISE_CHECK_OK(database_.put("keyframe_depths (keyframe_id, width_px, depth)", keyframe,
-                                    look.coarse_depth.width(), depth));
-    ROOMWISE_CHECK_OK(database_.put("keyframe_finders (keyframe_id, finder_id)", keyframe, finder));
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(database_.put("keyframe_depths (keyframe_id, width_px, depth)",
+                                           keyframe, look.coarse_depth.width(), depth));
+    ROOMWISE_RETURN_IF_ERROR(
+        database_.put("keyframe_finders (keyframe_id, finder_id)", keyframe, finder));
+    ROOMWISE_RETURN_IF_ERROR(
         database_.run("DELETE FROM keyframe_detections WHERE keyframe_id = ? AND finder_id = ?",
                       keyframe, finder));
     for (std::size_t i = 0; i < look.detections.size(); ++i) {
       const objects::Detection& region = look.detections[i];
-      ROOMWISE_CHECK_OK(database_.add(
+      ROOMWISE_RETURN_IF_ERROR(database_.add(
           "keyframe_detections (keyframe_id, finder_id, place, label, score, left_px, top_px, "
           "right_px, bottom_px, share, measured, points)",
           keyframe, finder, i, region.label, static_cast<double>(region.score),
@@ -100,11 +102,11 @@ Expected<std::map<KeyframeId, objects::KeyframeDetections>> Home::detections(
     looks[id].coarse_depth = *std::move(depth);
     return {};
   };
-  ROOMWISE_CHECK_OK(database_.for_each(
+  ROOMWISE_RETURN_IF_ERROR(database_.for_each(
       "SELECT keyframe_id, width_px, depth FROM keyframe_depths JOIN keyframe_finders "
       "USING (keyframe_id) WHERE finder_id = ?",
       read_depth, finder));
-  ROOMWISE_CHECK_OK(database_.for_each(
+  ROOMWISE_RETURN_IF_ERROR(database_.for_each(
       "SELECT keyframe_id, label, score, left_px, top_px, right_px, bottom_px, share, measured, "
       "points FROM keyframe_detections WHERE finder_id = ? ORDER BY keyframe_id, place",
       [&](const Statement& row) -> Expected<void> {
@@ -141,7 +143,7 @@ Expected<std::set<KeyframeId>> Home::looked_at(FinderId finder) const {
 
 Expected<void> Home::replace_instances(std::span<const objects::Instance> instances) {
   return atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(database_.run("DELETE FROM instances"));
+    ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM instances"));
     for (const objects::Instance& instance : instances) {
       if (!is_finite(instance)) {
         return fail("{}: the box of instance '{}' is not finite", file(), instance.name);
@@ -151,7 +153,7 @@ Expected<void> Home::replace_instances(std::span<const objects::Instance> instan
           database_.insert("instances (" ROOMWISE_INSTANCE_COLUMNS ", points)",
                            instance_columns(instance), points_to_blob(instance.surface_keyframe)));
       for (const auto& [name, share] : instance.names) {
-        ROOMWISE_CHECK_OK(
+        ROOMWISE_RETURN_IF_ERROR(
             database_.add("instance_names (instance_id, name, share)", id, name, share));
       }
     }
@@ -162,7 +164,7 @@ Expected<void> Home::replace_instances(std::span<const objects::Instance> instan
 Expected<std::vector<objects::Instance>> Home::instances() const {
   std::vector<objects::Instance> instances;
   std::map<std::int64_t, std::size_t> place;
-  ROOMWISE_CHECK_OK(database_.for_each(
+  ROOMWISE_RETURN_IF_ERROR(database_.for_each(
       "SELECT instance_id, points, " ROOMWISE_INSTANCE_COLUMNS
       " FROM instances ORDER BY instance_id",
       [&](const Statement& row) -> Expected<void> {
@@ -178,7 +180,7 @@ Expected<std::vector<objects::Instance>> Home::instances() const {
         instance.surface_keyframe = *std::move(points);
         return {};
       }));
-  ROOMWISE_CHECK_OK(database_.for_each(
+  ROOMWISE_RETURN_IF_ERROR(database_.for_each(
       "SELECT instance_id, name, share FROM instance_names", [&](const Statement& row) {
         instances[place.at(row.column<std::int64_t>(0))].names[row.column<std::string>(1)] =
             row.column<double>(2);

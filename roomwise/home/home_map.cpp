@@ -222,13 +222,13 @@ Expected<void> Home::commit(const MapCommit& step) {
         database_.find<std::uint64_t>(
             "SELECT next_frame_index FROM recordings WHERE recording_id = ?", step.recording));
     if (!stored_below) return fail("{}: has no recording {}", file(), step.recording);
-    ROOMWISE_CHECK_OK(check_frame_order(file(), step, *stored_below));
+    ROOMWISE_RETURN_IF_ERROR(check_frame_order(file(), step, *stored_below));
     for (const NewKeyframe& keyframe : step.keyframes) {
-      ROOMWISE_CHECK_OK(insert_keyframe(step.recording, keyframe));
+      ROOMWISE_RETURN_IF_ERROR(insert_keyframe(step.recording, keyframe));
     }
-    for (const scene::PoseGraphEdge& edge : step.edges) ROOMWISE_CHECK_OK(insert_edge(edge));
+    for (const scene::PoseGraphEdge& edge : step.edges) ROOMWISE_RETURN_IF_ERROR(insert_edge(edge));
     for (const Frame& frame : step.frames) {
-      ROOMWISE_CHECK_OK(insert_frame(step.recording, frame));
+      ROOMWISE_RETURN_IF_ERROR(insert_frame(step.recording, frame));
     }
     return database_.run("UPDATE recordings SET next_frame_index = ? WHERE recording_id = ?",
                          step.next_frame_index, step.recording);
@@ -249,7 +249,7 @@ Expected<void> Home::insert_keyframe(RecordingId recording, const NewKeyframe& k
     return fail("{}: key-frame {} comes without its encoded colour or depth image", file(),
                 keyframe.id);
   }
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       database_.add("keyframes (keyframe_id, recording_id, frame_index, timestamp_ns, tx_m, ty_m, "
                     "tz_m, qx, qy, qz, qw, component)",
                     keyframe.id, recording, keyframe.frame_index, keyframe.timestamp_ns,
@@ -258,10 +258,10 @@ Expected<void> Home::insert_keyframe(RecordingId recording, const NewKeyframe& k
                encrypt_if_protected(keyframe.id, PictureKind::kColor, keyframe.images.color));
   ROOMWISE_TRY(const Bytes depth,
                encrypt_if_protected(keyframe.id, PictureKind::kDepth, keyframe.images.depth));
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       database_.add("keyframe_images (keyframe_id, color, depth)", keyframe.id, color, depth));
   for (const auto& [network, prediction] : keyframe.predictions) {
-    ROOMWISE_CHECK_OK(put_prediction(keyframe.id, network, prediction));
+    ROOMWISE_RETURN_IF_ERROR(put_prediction(keyframe.id, network, prediction));
   }
   return put_observations(keyframe.id, keyframe.observations);
 }
@@ -294,7 +294,7 @@ Expected<void> Home::insert_frame(RecordingId recording, const Frame& frame) {
   } else {
     reason = frame.no_pose_reason;
   }
-  ROOMWISE_CHECK_OK(database_.add(
+  ROOMWISE_RETURN_IF_ERROR(database_.add(
       "frames (recording_id, frame_index, timestamp_ns, keyframe_id, tx_m, ty_m, tz_m, qx, qy, qz, "
       "qw, no_pose_reason)",
       recording, frame.index, frame.timestamp_ns, keyframe, pose, reason));
@@ -322,7 +322,7 @@ Expected<void> Home::put_readout(RecordingId id, double readout_s) {
 
 Expected<void> Home::put_derived_data(const DerivedData& data) {
   return atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(
         database_.run("INSERT OR REPLACE INTO derived_data (name, made_from, data) "
                       "VALUES (?, ?, zeroblob(?))",
                       data.name, data.made_from, data.data.size()));
@@ -350,7 +350,8 @@ Expected<std::optional<DerivedData>> Home::derived_data(const std::string& name)
 }
 
 Expected<void> Home::finish_recording(RecordingId id) {
-  ROOMWISE_CHECK_OK(database_.run("UPDATE recordings SET finished = 1 WHERE recording_id = ?", id));
+  ROOMWISE_RETURN_IF_ERROR(
+      database_.run("UPDATE recordings SET finished = 1 WHERE recording_id = ?", id));
   if (sqlite3_changes(database_.handle()) == 0) return fail("{}: has no recording {}", file(), id);
   return {};
 }
@@ -360,19 +361,19 @@ Expected<void> Home::remove_recording(RecordingId id) {
     ROOMWISE_TRY(
         const bool had_keyframes,
         database_.get<bool>("SELECT EXISTS (SELECT 1 FROM keyframes WHERE recording_id = ?)", id));
-    ROOMWISE_CHECK_OK(database_.run(
+    ROOMWISE_RETURN_IF_ERROR(database_.run(
         "UPDATE frames SET keyframe_id = NULL, tx_m = NULL, ty_m = NULL, tz_m = NULL, qx = NULL, "
         "qy = NULL, qz = NULL, qw = NULL, "
         "no_pose_reason = 'its key-frame was removed with the recording it came from' "
         "WHERE keyframe_id IN (SELECT keyframe_id FROM keyframes WHERE recording_id = ?)",
         id));
-    ROOMWISE_CHECK_OK(database_.run("DELETE FROM recordings WHERE recording_id = ?", id));
+    ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM recordings WHERE recording_id = ?", id));
     if (sqlite3_changes(database_.handle()) == 0) {
       return fail("{}: has no recording {}", file(), id);
     }
-    ROOMWISE_CHECK_OK(renumber_keyframes());
+    ROOMWISE_RETURN_IF_ERROR(renumber_keyframes());
     // It followed from what is gone, too.
-    if (had_keyframes) ROOMWISE_CHECK_OK(database_.run("DELETE FROM derived_data"));
+    if (had_keyframes) ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM derived_data"));
     // Nor was a home visited again that was never walked through.
     return database_.run("DELETE FROM visits WHERE NOT EXISTS (SELECT 1 FROM recordings)");
   });
@@ -387,19 +388,19 @@ Expected<void> Home::renumber_keyframes() {
   }
   if (old_numbers.empty()) return {};
   ROOMWISE_TRY(const auto columns, keyframe_columns(database_));
-  ROOMWISE_CHECK_OK(database_.run("PRAGMA defer_foreign_keys = ON"));
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(database_.run("PRAGMA defer_foreign_keys = ON"));
+  ROOMWISE_RETURN_IF_ERROR(
       database_.run("CREATE TEMP TABLE IF NOT EXISTS renumbered (was INTEGER PRIMARY KEY, now "
                     "INTEGER NOT NULL)"));
-  ROOMWISE_CHECK_OK(database_.run("DELETE FROM temp.renumbered"));
+  ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM temp.renumbered"));
   for (const auto& [now, was] : old_numbers)
-    ROOMWISE_CHECK_OK(database_.add("temp.renumbered (was, now)", was, now));
+    ROOMWISE_RETURN_IF_ERROR(database_.add("temp.renumbered (was, now)", was, now));
   for (const auto& [table, column] : columns) {
     // By way of numbers that none has, since rows are changed one after the other.
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(
         database_.run(fmt::format("UPDATE {0} SET {1} = -1 - {1} WHERE {1} >= ?", table, column),
                       old_numbers.begin()->second));
-    ROOMWISE_CHECK_OK(database_.run(
+    ROOMWISE_RETURN_IF_ERROR(database_.run(
         fmt::format("UPDATE {0} SET {1} = (SELECT now FROM temp.renumbered WHERE was = -1 - {1}) "
                     "WHERE {1} < 0",
                     table, column)));
@@ -410,7 +411,7 @@ Expected<void> Home::renumber_keyframes() {
 Expected<std::set<KeyframeId>> Home::held_keyframes() const {
   std::set<KeyframeId> held;
   for (const std::string_view table : kHoldingTables) {
-    ROOMWISE_CHECK_OK(database_.for_each(
+    ROOMWISE_RETURN_IF_ERROR(database_.for_each(
         fmt::format("SELECT DISTINCT keyframe_id FROM {} WHERE keyframe_id IS NOT NULL", table),
         [&](const Statement& row) { held.insert(row.column<KeyframeId>(0)); }));
   }
@@ -423,13 +424,14 @@ Expected<void> Home::cull_keyframes(const KeyframeCulling& culling) {
     for (const KeyframeCulling::Place& moved : culling.places) {
       if (!moved.place.keyframe_from_camera.is_finite())
         return fail("{}: the pose of frame {} is not finite", file(), moved.frame_index);
-      ROOMWISE_CHECK_OK(
+      ROOMWISE_RETURN_IF_ERROR(
           database_.run("UPDATE frames SET (keyframe_id, tx_m, ty_m, tz_m, qx, qy, qz, qw) = "
                         "(?, ?, ?, ?, ?, ?, ?, ?) WHERE recording_id = ? AND frame_index = ?",
                         moved.place.keyframe, to_numbers(moved.place.keyframe_from_camera),
                         moved.recording, moved.frame_index));
     }
-    for (const scene::PoseGraphEdge& edge : culling.edges) ROOMWISE_CHECK_OK(insert_edge(edge));
+    for (const scene::PoseGraphEdge& edge : culling.edges)
+      ROOMWISE_RETURN_IF_ERROR(insert_edge(edge));
     for (const KeyframeId id : culling.culled) {
       ROOMWISE_TRY(
           const bool has_frames,
@@ -438,12 +440,12 @@ Expected<void> Home::cull_keyframes(const KeyframeCulling& culling) {
         return fail("{}: key-frame {} cannot be taken out: {} on it", file(), id,
                     has_frames ? "the place of a frame hangs" : "something that is kept hangs");
       }
-      ROOMWISE_CHECK_OK(database_.run("DELETE FROM keyframes WHERE keyframe_id = ?", id));
+      ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM keyframes WHERE keyframe_id = ?", id));
       if (sqlite3_changes(database_.handle()) == 0)
         return fail("{}: has no key-frame {}", file(), id);
     }
     // What was seen in their pictures goes with them.
-    ROOMWISE_CHECK_OK(database_.run("DELETE FROM derived_data WHERE name = 'word_places'"));
+    ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM derived_data WHERE name = 'word_places'"));
     return renumber_keyframes();
   });
 }
@@ -472,7 +474,7 @@ Expected<std::optional<Keyframe>> Home::find_keyframe(KeyframeId id) const {
 
 Expected<KeyframeImages> Home::images(KeyframeId id) const {
   std::optional<KeyframeImages> images;
-  ROOMWISE_CHECK_OK(database_.for_each(
+  ROOMWISE_RETURN_IF_ERROR(database_.for_each(
       "SELECT color, depth FROM keyframe_images WHERE keyframe_id = ?",
       [&](const Statement& row) {
         images = KeyframeImages{row.column<Bytes>(0), row.column<Bytes>(1)};
@@ -520,7 +522,7 @@ Expected<void> Home::replace_poses(const std::map<KeyframeId, KeyframePose>& pos
       if (!pose.world_from_keyframe.is_finite()) {
         return fail("{}: the new pose of key-frame {} is not finite", file(), id);
       }
-      ROOMWISE_CHECK_OK(
+      ROOMWISE_RETURN_IF_ERROR(
           database_.run("UPDATE keyframes SET (tx_m, ty_m, tz_m, qx, qy, qz, qw, component) = "
                         "(?, ?, ?, ?, ?, ?, ?, ?) WHERE keyframe_id = ?",
                         to_numbers(pose.world_from_keyframe), pose.component, id));

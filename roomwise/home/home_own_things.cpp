@@ -77,10 +77,10 @@ Expected<void> Home::check_new_name(const std::string& name) const {
 
 Expected<OwnThingId> Home::add_own_thing(const OwnThing& thing,
                                          std::span<const objects::TaughtView> views) {
-  ROOMWISE_CHECK_OK(check_new_name(thing.name));
+  ROOMWISE_RETURN_IF_ERROR(check_new_name(thing.name));
   if (views.empty()) return fail("{}: {} was not shown", file(), thing.name);
   OwnThingId id = 0;
-  ROOMWISE_CHECK_OK(atomically([&]() -> Expected<void> {
+  ROOMWISE_RETURN_IF_ERROR(atomically([&]() -> Expected<void> {
     ROOMWISE_TRY(id, database_.insert("own_things (name, owner, is_shared, taught_s)", thing.name,
                                       thing.owner, thing.is_shared, thing.taught_s));
     for (const objects::TaughtView& view : views) {
@@ -93,7 +93,7 @@ Expected<OwnThingId> Home::add_own_thing(const OwnThing& thing,
                    encrypt_if_protected(number, PictureKind::kOwnThing, view.picture));
       ROOMWISE_TRY(const Bytes mask,
                    encrypt_if_protected(number, PictureKind::kOwnThingMask, view.mask));
-      ROOMWISE_CHECK_OK(
+      ROOMWISE_RETURN_IF_ERROR(
           database_.run("UPDATE own_thing_views SET picture = ?, mask = ? WHERE view_id = ?",
                         picture, mask, view_id));
     }
@@ -169,8 +169,8 @@ Expected<void> Home::put_own_thing_sighting(OwnThingId id, const OwnThingSightin
 Expected<void> Home::remove_own_thing(OwnThingId id) {
   return change_own_thing(id, [&] {
     return atomically([&]() -> Expected<void> {
-      ROOMWISE_CHECK_OK(database_.run("DELETE FROM own_things WHERE own_thing_id = ?", id));
-      ROOMWISE_CHECK_OK(owe_erasing());
+      ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM own_things WHERE own_thing_id = ?", id));
+      ROOMWISE_RETURN_IF_ERROR(owe_erasing());
       // What was worked out from its views is of it, too.
       return database_.run("DELETE FROM derived_data WHERE name = 'own_things'");
     });

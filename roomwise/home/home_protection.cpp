@@ -18,7 +18,7 @@ Expected<std::vector<KeyframeId>> keyframes_to_convert(const Database& database,
                                                        bool to_sealed) {
   const Bytes mark(kSealedPictureMark.begin(), kSealedPictureMark.end());
   std::vector<KeyframeId> ids;
-  ROOMWISE_CHECK_OK(database.for_each(
+  ROOMWISE_RETURN_IF_ERROR(database.for_each(
       fmt::format("SELECT {2} FROM {0} WHERE (substr({1}, 1, ?) = ?) <> ? ORDER BY {2}",
                   column.table, column.column, column.id),
       [&](const Statement& row) { ids.push_back(row.column<KeyframeId>(0)); }, mark.size(), mark,
@@ -58,7 +58,7 @@ Expected<void> Home::begin_protection(const Passphrase& passphrase, ProtectionSt
                                       const PassphraseCost& cost) {
   PictureCipher cipher = cipher_ ? *cipher_ : PictureCipher::create();
   ROOMWISE_TRY(const auto wrapped, in_context(file(), cipher.wrap(passphrase, state, cost)));
-  ROOMWISE_CHECK_OK(database_.put("settings (key, value)", kProtectionSetting, wrapped));
+  ROOMWISE_RETURN_IF_ERROR(database_.put("settings (key, value)", kProtectionSetting, wrapped));
   protected_ = true;
   cipher_ = std::move(cipher);
   protection_ = state;
@@ -68,25 +68,25 @@ Expected<void> Home::begin_protection(const Passphrase& passphrase, ProtectionSt
 Expected<std::size_t> Home::protect(const Passphrase& passphrase, const PassphraseCost& cost) {
   if (is_locked()) return Unexpected(locked_error());
   if (protected_ && protection_ == ProtectionState::kSealed) {
-    ROOMWISE_CHECK_OK(begin_protection(passphrase, ProtectionState::kSealed, cost));
+    ROOMWISE_RETURN_IF_ERROR(begin_protection(passphrase, ProtectionState::kSealed, cost));
     return 0;
   }
-  ROOMWISE_CHECK_OK(begin_protection(passphrase, ProtectionState::kSealing, cost));
+  ROOMWISE_RETURN_IF_ERROR(begin_protection(passphrase, ProtectionState::kSealing, cost));
   // By these anybody could ask what the pictures show.
-  ROOMWISE_CHECK_OK(database_.run("DELETE FROM derived_data WHERE name = 'word_places'"));
+  ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM derived_data WHERE name = 'word_places'"));
   ROOMWISE_TRY(const std::size_t count, convert_pictures(/*to_sealed=*/true));
   // Only once nothing of them is left in the file are they said to be sealed.
-  ROOMWISE_CHECK_OK(erase_removed());
-  ROOMWISE_CHECK_OK(begin_protection(passphrase, ProtectionState::kSealed, cost));
+  ROOMWISE_RETURN_IF_ERROR(erase_removed());
+  ROOMWISE_RETURN_IF_ERROR(begin_protection(passphrase, ProtectionState::kSealed, cost));
   return count;
 }
 
 Expected<std::size_t> Home::unprotect(const Passphrase& passphrase, const PassphraseCost& cost) {
   if (is_locked()) return Unexpected(locked_error());
   if (!protected_) return fail("{}: its pictures are not protected", file());
-  ROOMWISE_CHECK_OK(begin_protection(passphrase, ProtectionState::kOpening, cost));
+  ROOMWISE_RETURN_IF_ERROR(begin_protection(passphrase, ProtectionState::kOpening, cost));
   ROOMWISE_TRY(const std::size_t count, convert_pictures(/*to_sealed=*/false));
-  ROOMWISE_CHECK_OK(database_.run("DELETE FROM settings WHERE key = ?", kProtectionSetting));
+  ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM settings WHERE key = ?", kProtectionSetting));
   protected_ = false;
   cipher_.reset();
   return count;
@@ -102,13 +102,13 @@ Expected<std::size_t> Home::convert_pictures(bool to_sealed) {
     ROOMWISE_TRY(const auto ids, keyframes_to_convert(database_, column, to_sealed));
     for (std::size_t begin = 0; begin < ids.size(); begin += kPicturesAtOnce) {
       const std::size_t end = std::min(begin + kPicturesAtOnce, ids.size());
-      ROOMWISE_CHECK_OK(atomically([&]() -> Expected<void> {
+      ROOMWISE_RETURN_IF_ERROR(atomically([&]() -> Expected<void> {
         for (std::size_t i = begin; i < end; ++i) {
           ROOMWISE_TRY(Bytes picture, database_.get<Bytes>(read, ids[i]));
           ROOMWISE_TRY(picture, to_sealed
                                     ? encrypt_if_protected(ids[i], column.kind, std::move(picture))
                                     : decrypt_if_sealed(ids[i], column.kind, std::move(picture)));
-          ROOMWISE_CHECK_OK(database_.run(write, picture, ids[i]));
+          ROOMWISE_RETURN_IF_ERROR(database_.run(write, picture, ids[i]));
         }
         return {};
       }));
@@ -130,7 +130,7 @@ Expected<void> Home::reseal_pictures(const std::map<KeyframeId, KeyframeId>& old
       if (!cipher_) return Unexpected(locked_error());
       const auto picture = cipher_->open(old, column.kind, *std::move(stored));
       if (!picture) continue;  // damaged: it cannot be read under any number
-      ROOMWISE_CHECK_OK(database_.run(
+      ROOMWISE_RETURN_IF_ERROR(database_.run(
           fmt::format("UPDATE {} SET {} = ? WHERE keyframe_id = ?", column.table, column.column),
           cipher_->seal(id, column.kind, *picture), id));
     }

@@ -60,7 +60,7 @@ Expected<void> Home::put_prediction(KeyframeId keyframe, NetworkId network,
 Expected<std::optional<network::Prediction>> Home::prediction(KeyframeId keyframe,
                                                               NetworkId network) const {
   std::optional<network::Prediction> prediction;
-  ROOMWISE_CHECK_OK(database_.for_each(
+  ROOMWISE_RETURN_IF_ERROR(database_.for_each(
       "SELECT features, scores FROM keyframe_predictions WHERE keyframe_id = ? AND network_id = ?",
       [&](const Statement& row) {
         prediction = {to_floats(row.column<Bytes>(0)), to_floats(row.column<Bytes>(1))};
@@ -84,11 +84,11 @@ Expected<std::map<KeyframeId, network::Prediction>> Home::predictions(NetworkId 
 Expected<void> Home::put_observations(KeyframeId keyframe,
                                       std::span<const objects::ObjectScore> observations) {
   return atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(
         database_.run("DELETE FROM keyframe_observations WHERE keyframe_id = ?", keyframe));
     for (const objects::ObjectScore& observation : observations) {
-      ROOMWISE_CHECK_OK(database_.add("keyframe_observations (keyframe_id, object, score)",
-                                      keyframe, observation.object, observation.score));
+      ROOMWISE_RETURN_IF_ERROR(database_.add("keyframe_observations (keyframe_id, object, score)",
+                                             keyframe, observation.object, observation.score));
     }
     return {};
   });
@@ -96,7 +96,7 @@ Expected<void> Home::put_observations(KeyframeId keyframe,
 
 Expected<std::map<KeyframeId, std::vector<objects::ObjectScore>>> Home::observations() const {
   std::map<KeyframeId, std::vector<objects::ObjectScore>> observations;
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       database_.for_each("SELECT keyframe_id, object, score FROM keyframe_observations "
                          "ORDER BY keyframe_id, score DESC, object",
                          [&](const Statement& row) {
@@ -108,7 +108,7 @@ Expected<std::map<KeyframeId, std::vector<objects::ObjectScore>>> Home::observat
 
 Expected<void> Home::replace_paper_objects(std::span<const objects::PaperObject> objects) {
   return atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(database_.run("DELETE FROM objects"));
+    ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM objects"));
     for (const objects::PaperObject& object : objects) {
       std::optional<std::array<double, 3>> position;
       if (const auto& p = object.position_keyframe) {
@@ -117,7 +117,7 @@ Expected<void> Home::replace_paper_objects(std::span<const objects::PaperObject>
         }
         position = {p->x(), p->y(), p->z()};
       }
-      ROOMWISE_CHECK_OK(database_.add(
+      ROOMWISE_RETURN_IF_ERROR(database_.add(
           "objects (name, keyframe_id, score, observations, x_m, y_m, z_m)", object.name,
           object.keyframe_id, object.score, object.observations, position));
     }
@@ -141,18 +141,18 @@ Expected<std::vector<objects::PaperObject>> Home::paper_objects() const {
 
 Expected<void> Home::replace_concepts(const rooms::Concepts& concepts) {
   return atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(database_.run_script(
+    ROOMWISE_RETURN_IF_ERROR(database_.run_script(
         "DELETE FROM has_a; DELETE FROM room_types; DELETE FROM object_labels; "
         "DELETE FROM object_kinds;"));
     const auto& vocabulary = concepts.vocabulary.objects();
     for (const auto& [object, labels] : vocabulary) {
-      ROOMWISE_CHECK_OK(database_.add("object_kinds (object)", object));
+      ROOMWISE_RETURN_IF_ERROR(database_.add("object_kinds (object)", object));
       for (const std::string& label : labels) {
-        ROOMWISE_CHECK_OK(database_.add("object_labels (label, object)", label, object));
+        ROOMWISE_RETURN_IF_ERROR(database_.add("object_labels (label, object)", label, object));
       }
     }
     for (const auto& [room_type, objects] : concepts.objects_of_room_type) {
-      ROOMWISE_CHECK_OK(database_.add("room_types (room_type)", room_type));
+      ROOMWISE_RETURN_IF_ERROR(database_.add("room_types (room_type)", room_type));
       for (const std::string& object : objects) {
         if (!vocabulary.contains(object)) {
           return fail(
@@ -160,7 +160,7 @@ Expected<void> Home::replace_concepts(const rooms::Concepts& concepts) {
               "object first",
               file(), room_type, object);
         }
-        ROOMWISE_CHECK_OK(database_.add("has_a (room_type, object)", room_type, object));
+        ROOMWISE_RETURN_IF_ERROR(database_.add("has_a (room_type, object)", room_type, object));
       }
     }
     return {};
@@ -169,7 +169,7 @@ Expected<void> Home::replace_concepts(const rooms::Concepts& concepts) {
 
 Expected<rooms::Concepts> Home::concepts() const {
   std::map<std::string, std::vector<std::string>> labels;
-  ROOMWISE_CHECK_OK(database_.for_each(
+  ROOMWISE_RETURN_IF_ERROR(database_.for_each(
       "SELECT object, label FROM object_kinds LEFT JOIN object_labels USING (object)",
       [&](const Statement& row) {
         auto& of_object = labels[row.column<std::string>(0)];
@@ -183,7 +183,7 @@ Expected<rooms::Concepts> Home::concepts() const {
       return Unexpected(std::move(added).error().with_context(file()));
     }
   }
-  ROOMWISE_CHECK_OK(database_.for_each(
+  ROOMWISE_RETURN_IF_ERROR(database_.for_each(
       "SELECT room_type, object FROM room_types LEFT JOIN has_a USING (room_type)",
       [&](const Statement& row) {
         auto& objects = concepts.objects_of_room_type[row.column<std::string>(0)];
@@ -197,11 +197,11 @@ Expected<rooms::Concepts> Home::concepts() const {
 Expected<void> Home::replace_rooms(std::span<const rooms::Room> rooms) {
   return atomically([&]() -> Expected<void> {
     // Rooms that ranges belong to may be missing until the new ones are in.
-    ROOMWISE_CHECK_OK(database_.run("PRAGMA defer_foreign_keys = ON"));
-    ROOMWISE_CHECK_OK(database_.run("DELETE FROM rooms"));
+    ROOMWISE_RETURN_IF_ERROR(database_.run("PRAGMA defer_foreign_keys = ON"));
+    ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM rooms"));
     for (const rooms::Room& room : rooms) {
-      ROOMWISE_CHECK_OK(recording::validate_room_name(room.name));
-      ROOMWISE_CHECK_OK(database_.add("rooms (room, room_type)", room.name, room.type));
+      ROOMWISE_RETURN_IF_ERROR(recording::validate_room_name(room.name));
+      ROOMWISE_RETURN_IF_ERROR(database_.add("rooms (room, room_type)", room.name, room.type));
     }
     ROOMWISE_TRY(const auto orphan,
                  database_.find<std::string>("SELECT room FROM room_ranges WHERE room NOT IN "
@@ -225,7 +225,7 @@ Expected<void> Home::replace_room_ranges(RecordingId id,
                                          const std::vector<recording::RoomRange>& ranges) {
   ROOMWISE_TRY(const auto labels, recording::RoomLabels::from_ranges(ranges));
   return atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(database_.run("DELETE FROM room_ranges WHERE recording_id = ?", id));
+    ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM room_ranges WHERE recording_id = ?", id));
     for (const recording::RoomRange& range : labels.ranges()) {
       ROOMWISE_TRY(const bool known,
                    database_.get<bool>("SELECT count(*) FROM rooms WHERE room = ?", range.room));
@@ -235,7 +235,7 @@ Expected<void> Home::replace_room_ranges(RecordingId id,
             "the room first",
             file(), range.first_frame, range.last_frame, range.room);
       }
-      ROOMWISE_CHECK_OK(database_.add(
+      ROOMWISE_RETURN_IF_ERROR(database_.add(
           "room_ranges (recording_id, first_frame_index, last_frame_index, room, visit)", id,
           range.first_frame, range.last_frame, range.room, range.visit));
     }
@@ -260,8 +260,9 @@ Expected<recording::RoomLabels> Home::room_ranges(RecordingId id) const {
 
 Expected<void> Home::put_room_classifier(const RoomClassifierRecord& classifier) {
   return atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(database_.run("DELETE FROM room_classifiers WHERE network_fingerprint = ?",
-                                    classifier.network_fingerprint));
+    ROOMWISE_RETURN_IF_ERROR(
+        database_.run("DELETE FROM room_classifiers WHERE network_fingerprint = ?",
+                      classifier.network_fingerprint));
     return database_.add("room_classifiers (network_name, network_fingerprint, classifier, report)",
                          classifier.network_name, classifier.network_fingerprint,
                          classifier.classifier, classifier.report_json);
@@ -270,9 +271,9 @@ Expected<void> Home::put_room_classifier(const RoomClassifierRecord& classifier)
 
 Expected<void> Home::forget_learned_rooms() {
   return atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(database_.run("DELETE FROM room_classifiers"));
-    ROOMWISE_CHECK_OK(database_.run("DELETE FROM keyframe_rooms"));
-    ROOMWISE_CHECK_OK(database_.run("DELETE FROM visit_pictures"));
+    ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM room_classifiers"));
+    ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM keyframe_rooms"));
+    ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM visit_pictures"));
     return database_.run("DELETE FROM picture_features");
   });
 }
@@ -298,9 +299,9 @@ Expected<void> Home::replace_picture_features(const std::string& network_fingerp
                                               const std::string& augmentation,
                                               std::span<const PictureFeatures> features) {
   return atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(database_.run("DELETE FROM picture_features"));
+    ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM picture_features"));
     for (const PictureFeatures& of_picture : features) {
-      ROOMWISE_CHECK_OK(
+      ROOMWISE_RETURN_IF_ERROR(
           database_.add("picture_features (picture_digest, network_fingerprint, augmentation, "
                         "variant, keyframe_id, features)",
                         of_picture.picture_digest, network_fingerprint, augmentation,
@@ -327,11 +328,11 @@ Expected<std::vector<PictureFeatures>> Home::picture_features(
 Expected<void> Home::replace_keyframe_rooms(
     const std::map<KeyframeId, std::vector<rooms::RoomScore>>& rooms) {
   return atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(database_.run("DELETE FROM keyframe_rooms"));
+    ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM keyframe_rooms"));
     for (const auto& [keyframe, scores] : rooms) {
       for (const rooms::RoomScore& score : scores) {
-        ROOMWISE_CHECK_OK(database_.add("keyframe_rooms (keyframe_id, room, score)", keyframe,
-                                        score.room, score.score));
+        ROOMWISE_RETURN_IF_ERROR(database_.add("keyframe_rooms (keyframe_id, room, score)",
+                                               keyframe, score.room, score.score));
       }
     }
     return {};
@@ -340,7 +341,7 @@ Expected<void> Home::replace_keyframe_rooms(
 
 Expected<std::map<KeyframeId, std::vector<rooms::RoomScore>>> Home::keyframe_rooms() const {
   std::map<KeyframeId, std::vector<rooms::RoomScore>> rooms;
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       database_.for_each("SELECT keyframe_id, room, score FROM keyframe_rooms "
                          "ORDER BY keyframe_id, score DESC, room",
                          [&](const Statement& row) {

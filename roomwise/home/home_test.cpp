@@ -521,8 +521,8 @@ TEST_F(HomeTest, SeveralWritesAreOneWhenAskedFor) {
   const std::string before = home_.content_digest().value();
   const auto finish = [&](KeyframeId object_keyframe) {
     return home_.atomically([&]() -> Expected<void> {
-      ROOMWISE_CHECK_OK(home_.replace_poses({{1, {testing::sample_pose(9), 0}}}));
-      ROOMWISE_CHECK_OK(home_.finish_recording(1));
+      ROOMWISE_RETURN_IF_ERROR(home_.replace_poses({{1, {testing::sample_pose(9), 0}}}));
+      ROOMWISE_RETURN_IF_ERROR(home_.finish_recording(1));
       return home_.replace_paper_objects(
           std::vector<objects::PaperObject>{{"bed", object_keyframe, 0.5, 4, std::nullopt}});
     });
@@ -541,45 +541,47 @@ TEST_F(HomeTest, DigestIsOfTheContentNotOfItsHistory) {
   // The same in another order, in one transaction, with detours.
   Home b = Home::create(folder / "b.home").value();
   const auto fill_b = [&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(b.replace_concepts(rooms::Concepts::standard()));
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(b.replace_concepts(rooms::Concepts::standard()));
+    ROOMWISE_RETURN_IF_ERROR(
         b.put_room_classifier({"net", "c0ffee", {1, 2, 0, 3}, R"({"held_out":0.9})"}));
-    ROOMWISE_CHECK_OK(b.add_network(testing::sample_network()).map([](auto) {}));
-    ROOMWISE_CHECK_OK(b.add_recording(testing::sample_recording()).map([](auto) {}));
+    ROOMWISE_RETURN_IF_ERROR(b.add_network(testing::sample_network()).map([](auto) {}));
+    ROOMWISE_RETURN_IF_ERROR(b.add_recording(testing::sample_recording()).map([](auto) {}));
     for (KeyframeId id = 0; id < 4; ++id) {
       MapCommit step = testing::sample_commit(1, 1, id);
       step.keyframes[0].predictions.clear();
       step.keyframes[0].observations = {{"bed", 0.1}};
       step.keyframes[0].pose = {};
-      ROOMWISE_CHECK_OK(b.commit(step));
+      ROOMWISE_RETURN_IF_ERROR(b.commit(step));
     }
     for (const KeyframeId id : {3U, 1U, 0U, 2U}) {
-      ROOMWISE_CHECK_OK(b.put_prediction(id, 1, testing::sample_prediction(id)));
-      ROOMWISE_CHECK_OK(
+      ROOMWISE_RETURN_IF_ERROR(b.put_prediction(id, 1, testing::sample_prediction(id)));
+      ROOMWISE_RETURN_IF_ERROR(
           b.put_observations(id, std::vector<objects::ObjectScore>{{"bed", 0.5}, {"lamp", 0.9}}));
-      ROOMWISE_CHECK_OK(
+      ROOMWISE_RETURN_IF_ERROR(
           b.replace_poses({{id, {testing::sample_pose(static_cast<double>(id)), id % 2}}}));
     }
-    ROOMWISE_CHECK_OK(b.replace_rooms(
+    ROOMWISE_RETURN_IF_ERROR(b.replace_rooms(
         std::vector<rooms::Room>{{"kitchen", "kitchen"}, {"Anna's room", "bedroom"}}));
-    ROOMWISE_CHECK_OK(b.replace_keyframe_rooms({{0, {{"Anna's room", 0.2}, {"kitchen", 0.8}}}}));
-    ROOMWISE_CHECK_OK(b.replace_room_ranges(1, {{0, 4, "kitchen", 1}, {5, 9, "Anna's room", 1}}));
-    ROOMWISE_CHECK_OK(b.replace_paper_objects(std::vector<objects::PaperObject>{
+    ROOMWISE_RETURN_IF_ERROR(
+        b.replace_keyframe_rooms({{0, {{"Anna's room", 0.2}, {"kitchen", 0.8}}}}));
+    ROOMWISE_RETURN_IF_ERROR(
+        b.replace_room_ranges(1, {{0, 4, "kitchen", 1}, {5, 9, "Anna's room", 1}}));
+    ROOMWISE_RETURN_IF_ERROR(b.replace_paper_objects(std::vector<objects::PaperObject>{
         {"bed", 1, 0.5, 4, Eigen::Vector3d(0.1, -0.2, 2.5)}, {"lamp", 2, 0.9, 4, std::nullopt}}));
     const std::vector<std::string> labels{"couch", "bed"};
-    ROOMWISE_CHECK_OK(b.add_region_finder({"finder", "f1nd", labels}).map([](auto) {}));
+    ROOMWISE_RETURN_IF_ERROR(b.add_region_finder({"finder", "f1nd", labels}).map([](auto) {}));
     objects::KeyframeDetections one = testing::sample_look(2);
-    ROOMWISE_CHECK_OK(b.put_detections(2, 1, one));
+    ROOMWISE_RETURN_IF_ERROR(b.put_detections(2, 1, one));
     one.detections.resize(1);
-    ROOMWISE_CHECK_OK(b.put_detections(2, 1, one));
-    ROOMWISE_CHECK_OK(b.put_detections(1, 1, testing::sample_look(1)));
-    ROOMWISE_CHECK_OK(b.put_readout(1, 0.02));
-    ROOMWISE_CHECK_OK(b.replace_instances(std::vector{testing::sample_instance(3)}));
-    ROOMWISE_CHECK_OK(testing::add_visits(b));
-    ROOMWISE_CHECK_OK(b.add_edit(testing::sample_edit(2)));
+    ROOMWISE_RETURN_IF_ERROR(b.put_detections(2, 1, one));
+    ROOMWISE_RETURN_IF_ERROR(b.put_detections(1, 1, testing::sample_look(1)));
+    ROOMWISE_RETURN_IF_ERROR(b.put_readout(1, 0.02));
+    ROOMWISE_RETURN_IF_ERROR(b.replace_instances(std::vector{testing::sample_instance(3)}));
+    ROOMWISE_RETURN_IF_ERROR(testing::add_visits(b));
+    ROOMWISE_RETURN_IF_ERROR(b.add_edit(testing::sample_edit(2)));
     home::OwnThing thing = testing::sample_own_thing();
     thing.taught_s += 5;  // when does not count
-    ROOMWISE_CHECK_OK(testing::teach(b, thing));
+    ROOMWISE_RETURN_IF_ERROR(testing::teach(b, thing));
     return b.put_setting("seed", "7");
   };
   ASSERT_OK(b.atomically(fill_b));

@@ -15,7 +15,7 @@ std::string to_text(PastReason reason) {
 
 Expected<VisitId> Home::apply_changes(const HomeChanges& changes) {
   VisitId visit = 0;
-  ROOMWISE_CHECK_OK(atomically([&]() -> Expected<void> {
+  ROOMWISE_RETURN_IF_ERROR(atomically([&]() -> Expected<void> {
     const Visit& v = changes.visit;
     ROOMWISE_TRY(
         visit,
@@ -27,16 +27,16 @@ Expected<VisitId> Home::apply_changes(const HomeChanges& changes) {
       instances.push_back(one);
       instances.back().visit = visit;
     }
-    ROOMWISE_CHECK_OK(replace_instances(instances));
+    ROOMWISE_RETURN_IF_ERROR(replace_instances(instances));
     for (const PastInstance& past : changes.past) {
       const objects::Instance& one = past.instance;
       if (!is_finite(one)) {
         return fail("{}: the box of past instance '{}' is not finite", file(), one.name);
       }
-      ROOMWISE_CHECK_OK(database_.add("past_instances (" ROOMWISE_INSTANCE_COLUMNS
-                                      ", reason, first_seen_ns, last_seen_ns, noticed_by)",
-                                      instance_columns(one), to_text(past.reason),
-                                      past.first_seen_ns, past.last_seen_ns, visit));
+      ROOMWISE_RETURN_IF_ERROR(database_.add("past_instances (" ROOMWISE_INSTANCE_COLUMNS
+                                             ", reason, first_seen_ns, last_seen_ns, noticed_by)",
+                                             instance_columns(one), to_text(past.reason),
+                                             past.first_seen_ns, past.last_seen_ns, visit));
     }
     if (!changes.pictures) return {};
     std::vector<VisitPicture> pictures = *changes.pictures;
@@ -50,9 +50,9 @@ Expected<VisitId> Home::apply_changes(const HomeChanges& changes) {
 
 Expected<void> Home::replace_visit_pictures(std::span<const VisitPicture> pictures) {
   return atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(database_.run("DELETE FROM visit_pictures"));
+    ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM visit_pictures"));
     for (const VisitPicture& one : pictures) {
-      ROOMWISE_CHECK_OK(
+      ROOMWISE_RETURN_IF_ERROR(
           database_.add("visit_pictures (visit_id, keyframe_id, timestamp_ns, picture_digest, "
                         "room, network_fingerprint, features)",
                         one.visit, one.keyframe, one.timestamp_ns, one.picture_digest, one.room,

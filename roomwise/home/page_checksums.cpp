@@ -75,7 +75,7 @@ int read_file_part(sqlite3_file* file, void* to, int size, sqlite3_int64 offset)
   const std::span page(static_cast<const unsigned char*>(to), static_cast<std::size_t>(size));
   checked.learn(page, offset);
   if (!checked.is_page(page.size(), offset)) return result;
-  return is_intact(page, checked.number(offset)) ? SQLITE_OK : kWrongChecksum;
+  return is_intact(page, checked.number(offset)) ? SQLITE_OK : kSqliteChecksumError;
 }
 
 // SQLite gives up what is written, so the checksum may go into its bytes (they are reserved).

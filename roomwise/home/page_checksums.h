@@ -21,7 +21,7 @@ constexpr int kChecksumBytes = 8;
 [[nodiscard]] const char* checksum_vfs();
 
 // What SQLite reports of a page whose checksum is wrong.
-constexpr int kWrongChecksum = SQLITE_IOERR_DATA;
+constexpr int kSqliteChecksumError = SQLITE_IOERR_DATA;
 
 // Makes a new database, into which nothing was written yet, keep checksums.
 [[nodiscard]] Expected<void> keep_checksums(sqlite3* connection, const std::string& file);

@@ -403,7 +403,7 @@ bool is_later(std::string_view table) {
 // The columns of each table, by name.
 Expected<std::map<std::string, std::set<std::string>>> columns_of(const Database& database) {
   std::map<std::string, std::set<std::string>> columns;
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       database.for_each("SELECT m.name, c.name FROM sqlite_schema m, pragma_table_info(m.name) c "
                         "WHERE m.type = 'table'",
                         [&](const Statement& row) {
@@ -416,22 +416,22 @@ Expected<std::map<std::string, std::set<std::string>>> columns_of(const Database
 
 Expected<void> create_tables(Database& database) {
   ROOMWISE_TRY(Transaction transaction, Transaction::begin(database));
-  ROOMWISE_CHECK_OK(database.run_script(kFirstTables));
-  ROOMWISE_CHECK_OK(database.run_script(kLaterTables));
-  ROOMWISE_CHECK_OK(database.run_script(fmt::format(
+  ROOMWISE_RETURN_IF_ERROR(database.run_script(kFirstTables));
+  ROOMWISE_RETURN_IF_ERROR(database.run_script(kLaterTables));
+  ROOMWISE_RETURN_IF_ERROR(database.run_script(fmt::format(
       "PRAGMA application_id = {}; PRAGMA user_version = {};", kApplicationId, kHomeVersion)));
   return transaction.commit();
 }
 
 Expected<void> add_later_tables(Database& database) {
   ROOMWISE_TRY(Transaction transaction, Transaction::begin(database));
-  ROOMWISE_CHECK_OK(database.run_script(kLaterTables));
+  ROOMWISE_RETURN_IF_ERROR(database.run_script(kLaterTables));
   return transaction.commit();
 }
 
 Expected<void> check_tables(const Database& database) {
   ROOMWISE_TRY(Database model, Database::in_memory());
-  ROOMWISE_CHECK_OK(create_tables(model));
+  ROOMWISE_RETURN_IF_ERROR(create_tables(model));
   ROOMWISE_TRY(const auto expected, columns_of(model));
   ROOMWISE_TRY(const auto found, columns_of(database));
   for (const auto& [table, columns] : expected) {

@@ -37,7 +37,7 @@ template <typename Container, typename Read, typename... Values>
     }
     return {};
   };
-  ROOMWISE_CHECK_OK(database.for_each(sql, take, values...));
+  ROOMWISE_RETURN_IF_ERROR(database.for_each(sql, take, values...));
   return all;
 }
 

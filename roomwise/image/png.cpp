@@ -211,7 +211,7 @@ bool is_png(std::span<const std::uint8_t> bytes) {
 Expected<ColorImage> decode_png_color(std::span<const std::uint8_t> bytes,
                                       std::int64_t max_pixels) {
   PngReader reader(bytes);
-  ROOMWISE_CHECK_OK(open(reader, max_pixels));
+  ROOMWISE_RETURN_IF_ERROR(open(reader, max_pixels));
   ColorImage image(static_cast<int>(reader.width()), static_cast<int>(reader.height()));
   Bytes rgba(image.pixels().size() * 4);
   if (!reader.read_rgba(rgba.data())) return damaged(reader);
@@ -228,7 +228,7 @@ Expected<ColorImage> decode_png_color(std::span<const std::uint8_t> bytes,
 Expected<DepthImage> decode_png_depth(std::span<const std::uint8_t> bytes,
                                       std::int64_t max_pixels) {
   PngReader reader(bytes);
-  ROOMWISE_CHECK_OK(open(reader, max_pixels));
+  ROOMWISE_RETURN_IF_ERROR(open(reader, max_pixels));
   if (reader.color_type() != PNG_COLOR_TYPE_GRAY || reader.bit_depth() != 16) {
     return fail("is {}; a depth image must be a 16-bit greyscale PNG", describe(reader));
   }

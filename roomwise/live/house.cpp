@@ -151,7 +151,7 @@ class House::Resident final : public service::ServedHome {
   Expected<LiveHome*> open() {
     const std::scoped_lock one_by_one(opening_mutex_);
     if (LiveHome* const home = live()) return home;
-    ROOMWISE_CHECK_OK(house_.take_place());
+    ROOMWISE_RETURN_IF_ERROR(house_.take_place());
     auto opened = try_to_open();
     if (!opened) {
       house_.free_place();

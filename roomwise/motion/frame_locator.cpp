@@ -54,8 +54,8 @@ PosePrior prior_from(const RefinedPose& pose) {
 }  // namespace
 
 Expected<void> LocatorOptions::validate() const {
-  ROOMWISE_CHECK_OK(features.validate());
-  ROOMWISE_CHECK_OK(views.validate());
+  ROOMWISE_RETURN_IF_ERROR(features.validate());
+  ROOMWISE_RETURN_IF_ERROR(views.validate());
   if (!(sure_rms > 0) || !(max_rms >= sure_rms)) {
     return fail("sure_rms = {} must be positive and not above max_rms = {}", sure_rms, max_rms);
   }

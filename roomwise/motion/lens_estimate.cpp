@@ -16,11 +16,11 @@ constexpr double kNearEnough = 0.06;
 
 // How far a lens is from the name it has (26 mm), relative to it: makers round, it changes as it
 // focuses, and its distortion is taken out of the picture.
-constexpr double kNamedFocalSigma = 0.04;
+constexpr double kNominalFocalSigma = 0.04;
 // Of k1, before any picture.
 constexpr double kDistortionSigma = 0.1;
 // Sides, and focal lengths over the longer one, that are another picture's.
-constexpr double kSameShape = 0.02;
+constexpr double kAspectTolerance = 0.02;
 constexpr double kMinFocal = 0.2, kMaxFocal = 5;  // over the longer side, as PinholeCamera has them
 
 double longer_over_shorter(int width, int height) {
@@ -52,20 +52,21 @@ std::vector<double> focal_readings(const image::ExifLens& exif, double shape) {
 
 }  // namespace
 
-LensEstimate LensEstimate::of_phones() {
+IntrinsicsEstimate IntrinsicsEstimate::typical_of_phones() {
   constexpr double kFocal = 0.8, kFocalSigma = 0.35;
-  LensEstimate phones;
+  IntrinsicsEstimate phones;
   phones.mean << std::log(kFocal), 0;
   phones.information.diagonal() << 1 / (kFocalSigma * kFocalSigma),
       1 / (kDistortionSigma * kDistortionSigma);
   return phones;
 }
 
-std::optional<LensEstimate> LensEstimate::of_photo(const image::ExifLens& exif, int width,
-                                                   int height) {
+std::optional<IntrinsicsEstimate> IntrinsicsEstimate::from_exif(const image::ExifLens& exif,
+                                                                int width, int height) {
   const double shape = longer_over_shorter(width, height);
   const bool has_size = exif.width > 0 && exif.height > 0;
-  if (has_size && std::abs(longer_over_shorter(exif.width, exif.height) / shape - 1) > kSameShape) {
+  if (has_size &&
+      std::abs(longer_over_shorter(exif.width, exif.height) / shape - 1) > kAspectTolerance) {
     return std::nullopt;
   }
   const std::vector<double> readings = focal_readings(exif, shape);
@@ -75,14 +76,14 @@ std::optional<LensEstimate> LensEstimate::of_photo(const image::ExifLens& exif, 
   // Each reading is within a standard deviation of their middle.
   const double half_range = 0.5 * std::log(most / least);
   const double rounding = 1 / std::sqrt(12) / exif.focal_length_35mm_mm.value_or(1e9);
-  const double sigma = std::hypot(half_range, rounding, kNamedFocalSigma);
-  LensEstimate photo = of_phones();
+  const double sigma = std::hypot(half_range, rounding, kNominalFocalSigma);
+  IntrinsicsEstimate photo = typical_of_phones();
   photo.mean[0] = 0.5 * std::log(least * most);
   photo.information(0, 0) = 1 / (sigma * sigma);
   return photo;
 }
 
-geometry::PinholeCamera LensEstimate::camera(int width, int height) const {
+geometry::PinholeCamera IntrinsicsEstimate::camera(int width, int height) const {
   geometry::PinholeCamera camera;
   camera.width = width;
   camera.height = height;
@@ -93,20 +94,20 @@ geometry::PinholeCamera LensEstimate::camera(int width, int height) const {
   return camera;
 }
 
-double LensEstimate::focal_sigma() const {
+double IntrinsicsEstimate::relative_focal_sigma() const {
   return std::sqrt(information.inverse()(0, 0));
 }
 
-geometry::PinholeCamera LensEstimate::sample_camera(int width, int height,
-                                                    RandomStream& random) const {
-  const double reach = kDrawnSigmas * focal_sigma();
-  LensEstimate drawn = *this;
+geometry::PinholeCamera IntrinsicsEstimate::sample_camera(int width, int height,
+                                                          RandomStream& random) const {
+  const double reach = kDrawnSigmas * relative_focal_sigma();
+  IntrinsicsEstimate drawn = *this;
   drawn.mean[0] += random.between(-reach, reach);
   return drawn.camera(width, height);
 }
 
-double LensEstimate::right_draw() const {
-  return std::min(1.0, kNearEnough / (kDrawnSigmas * focal_sigma()));
+double IntrinsicsEstimate::near_draw_probability() const {
+  return std::min(1.0, kNearEnough / (kDrawnSigmas * relative_focal_sigma()));
 }
 
 }  // namespace roomwise::motion

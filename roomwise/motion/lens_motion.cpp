@@ -26,7 +26,7 @@ constexpr double kLensHuberSigmas = 2.0;
 // A pose and a lens.
 struct PosedLens {
   RigidTransform reference_from_current;
-  Eigen::Vector2d lens;  // LensEstimate::mean
+  Eigen::Vector2d lens;  // IntrinsicsEstimate::mean
 };
 
 // What levenberg_marquardt.h minimises: the distances of the pixels from where pose and lens put
@@ -35,7 +35,7 @@ struct PosedLens {
 class PosedLensProblem {
  public:
   PosedLensProblem(std::span<const PointObservation> observations, int width, int height,
-                   const LensEstimate& prior, const PosedLens& start, double pixel_sigma_px)
+                   const IntrinsicsEstimate& prior, const PosedLens& start, double pixel_sigma_px)
       : observations_(observations),
         width_(width),
         height_(height),
@@ -79,7 +79,7 @@ class PosedLensProblem {
 
  private:
   [[nodiscard]] PinholeCamera camera() const {
-    return LensEstimate{at_.lens, prior_.information}.camera(width_, height_);
+    return IntrinsicsEstimate{at_.lens, prior_.information}.camera(width_, height_);
   }
   // Of the pixel of a point in the current frame, by all variables, in sigmas.
   [[nodiscard]] Eigen::Matrix<double, 2, 8> jacobian(const Eigen::Vector3d& point) const {
@@ -116,7 +116,7 @@ class PosedLensProblem {
 
   std::span<const PointObservation> observations_;
   const int width_, height_;
-  const LensEstimate& prior_;
+  const IntrinsicsEstimate& prior_;
   const double pixel_sigma_px_;
   PosedLens at_, before_;
   Matrix8d hessian_;
@@ -145,7 +145,8 @@ auto marginal(const A& own, const B& cross, const C& other) {
 
 // Pose and lens, refined together on the inliers.
 LensMotion refine(std::span<const PointObservation> inliers, int width, int height,
-                  const LensEstimate& prior, const PosedLens& start, const MotionOptions& options) {
+                  const IntrinsicsEstimate& prior, const PosedLens& start,
+                  const MotionOptions& options) {
   constexpr geometry::MinimizerOptions kOptions{.max_iterations = 20, .min_step_length = 1e-9};
   PosedLensProblem problem(inliers, width, height, prior, start, options.residuals.pixel_sigma_px);
   geometry::minimize(problem, kOptions);
@@ -164,7 +165,7 @@ LensMotion refine(std::span<const PointObservation> inliers, int width, int heig
 }  // namespace
 
 LensMotion estimate_motion_and_lens(std::span<const PointObservation> observations, int width,
-                                    int height, const LensEstimate& lens,
+                                    int height, const IntrinsicsEstimate& lens,
                                     const MotionOptions& options, RandomStream random) {
   LensMotion result;
   result.lens = lens;
@@ -177,7 +178,7 @@ LensMotion estimate_motion_and_lens(std::span<const PointObservation> observatio
   if (matches < options.min_matches) return stop(MotionStatus::kTooFewMatches);
   const PnpHypothesis hypothesis = solve_pnp_ransac(
       observations, [&](RandomStream& draws) { return lens.sample_camera(width, height, draws); },
-      lens.right_draw(), options, random);
+      lens.near_draw_probability(), options, random);
   const auto enough = [&](int inliers) {
     return inliers >= options.min_inliers && inliers >= options.min_inlier_ratio * matches;
   };
@@ -189,7 +190,8 @@ LensMotion estimate_motion_and_lens(std::span<const PointObservation> observatio
   PosedLens posed{hypothesis.current_from_reference.inverse(), lens.mean};
   posed.lens[0] = std::log(hypothesis.camera.fx / std::max(width, height));
   for (int round = 0; round < kRounds; ++round) {
-    const PinholeCamera camera = LensEstimate{posed.lens, lens.information}.camera(width, height);
+    const PinholeCamera camera =
+        IntrinsicsEstimate{posed.lens, lens.information}.camera(width, height);
     const auto inliers = lens_inliers(observations, posed, camera, options.inlier_px);
     outcome.inliers = static_cast<int>(inliers.size());
     if (!enough(outcome.inliers)) return stop(MotionStatus::kTooFewInliers);

@@ -11,7 +11,7 @@ namespace roomwise::motion {
 // known of the lens; `lens` is what was known of it and what this picture tells, together.
 struct LensMotion {
   MotionOutcome motion;
-  LensEstimate lens;
+  IntrinsicsEstimate lens;
 };
 
 // PnP with RANSAC on matched points with an unknown focal length: each sample draws one from what
@@ -20,7 +20,8 @@ struct LensMotion {
 // are of the picture, px. As estimate_motion() otherwise, and the same where the lens is known
 // well.
 [[nodiscard]] LensMotion estimate_motion_and_lens(std::span<const PointObservation> observations,
-                                                  int width, int height, const LensEstimate& lens,
+                                                  int width, int height,
+                                                  const IntrinsicsEstimate& lens,
                                                   const MotionOptions& options,
                                                   RandomStream random);
 

@@ -51,7 +51,7 @@ std::vector<PointObservation> see(const PinholeCamera& camera, std::uint64_t see
 }
 
 LensMotion find(const std::vector<PointObservation>& observations, std::uint64_t seed = 1,
-                const LensEstimate& lens = LensEstimate::of_phones()) {
+                const IntrinsicsEstimate& lens = IntrinsicsEstimate::typical_of_phones()) {
   return estimate_motion_and_lens(observations, 480, 640, lens, {}, RandomStream(seed));
 }
 
@@ -80,7 +80,7 @@ TEST(LensMotion, FindsTheDistortion) {
 
 TEST(LensMotion, WithAKnownLensIsAsWithACalibratedCamera) {
   const PinholeCamera camera = phone(500);
-  LensEstimate known = LensEstimate::of_phones();
+  IntrinsicsEstimate known = IntrinsicsEstimate::typical_of_phones();
   known.mean << std::log(500.0 / 640), 0;
   known.information = Eigen::Vector2d(1e12, 1e12).asDiagonal();
   const auto observations = see(camera, 2);
@@ -123,8 +123,8 @@ TEST(LensMotion, OfAFlatWallKnowsLittleOfTheFocalLength) {
   const LensMotion flat = find(see(phone(500), 1, wall));
   const LensMotion deep = find(see(phone(500), 1));
   ASSERT_TRUE(flat.motion.found() && deep.motion.found());
-  EXPECT_GT(flat.lens.focal_sigma(), 5 * deep.lens.focal_sigma());
-  EXPECT_LT(deep.lens.focal_sigma(), 0.01);
+  EXPECT_GT(flat.lens.relative_focal_sigma(), 5 * deep.lens.relative_focal_sigma());
+  EXPECT_LT(deep.lens.relative_focal_sigma(), 0.01);
 }
 
 TEST(LensMotion, SaysWhyThereIsNone) {
@@ -142,21 +142,21 @@ image::ExifLens of_35mm(double focal_mm) {
 
 TEST(LensOfAPhoto, HasTheFocalLengthThatItsExifSays) {
   // 26 mm on 36 mm, or on the diagonal of 43.3 mm: 0.72 or 0.75 of the longer side.
-  const auto lens = LensEstimate::of_photo(of_35mm(26), 4032, 3024);
+  const auto lens = IntrinsicsEstimate::from_exif(of_35mm(26), 4032, 3024);
   ASSERT_TRUE(lens.has_value());
   const double focal = std::exp(lens->mean[0]);
   EXPECT_GT(focal, 26 / 36.0);
   EXPECT_LT(focal, 26 / 43.27 * 1.25);
-  EXPECT_GT(lens->focal_sigma(), 0.03);
-  EXPECT_LT(lens->focal_sigma(), 0.06);
+  EXPECT_GT(lens->relative_focal_sigma(), 0.03);
+  EXPECT_LT(lens->relative_focal_sigma(), 0.06);
   EXPECT_EQ(lens->mean[1], 0);
-  EXPECT_EQ(lens->information(1, 1), LensEstimate::of_phones().information(1, 1));
-  EXPECT_EQ(LensEstimate::of_photo(of_35mm(26), 3024, 4032)->mean, lens->mean) << "upright";
+  EXPECT_EQ(lens->information(1, 1), IntrinsicsEstimate::typical_of_phones().information(1, 1));
+  EXPECT_EQ(IntrinsicsEstimate::from_exif(of_35mm(26), 3024, 4032)->mean, lens->mean) << "upright";
 }
 
 TEST(LensOfAPhoto, IsLessSureOfAWidePictureThatMayBeCutOutOfTheSensor) {
-  EXPECT_GT(LensEstimate::of_photo(of_35mm(26), 1920, 1080)->focal_sigma(),
-            LensEstimate::of_photo(of_35mm(26), 1920, 1440)->focal_sigma());
+  EXPECT_GT(IntrinsicsEstimate::from_exif(of_35mm(26), 1920, 1080)->relative_focal_sigma(),
+            IntrinsicsEstimate::from_exif(of_35mm(26), 1920, 1440)->relative_focal_sigma());
 }
 
 TEST(LensOfAPhoto, MayFollowFromTheSensorsPixels) {
@@ -165,16 +165,16 @@ TEST(LensOfAPhoto, MayFollowFromTheSensorsPixels) {
   exif.pixels_per_mm = 400;
   exif.width = 3000;
   exif.height = 2000;
-  EXPECT_NEAR(std::exp(LensEstimate::of_photo(exif, 600, 400)->mean[0]), 0.8, 1e-9);
+  EXPECT_NEAR(std::exp(IntrinsicsEstimate::from_exif(exif, 600, 400)->mean[0]), 0.8, 1e-9);
 }
 
 TEST(LensOfAPhoto, IsUnsureWhereItsWordsDiffer) {
   image::ExifLens exif = of_35mm(26);
-  const double sigma = LensEstimate::of_photo(exif, 4032, 3024)->focal_sigma();
+  const double sigma = IntrinsicsEstimate::from_exif(exif, 4032, 3024)->relative_focal_sigma();
   exif.digital_zoom = 2;
-  const auto zoomed = LensEstimate::of_photo(exif, 4032, 3024);
-  EXPECT_GT(zoomed->focal_sigma(), 0.3);
-  EXPECT_GT(zoomed->mean[0], LensEstimate::of_photo(of_35mm(26), 4032, 3024)->mean[0]);
+  const auto zoomed = IntrinsicsEstimate::from_exif(exif, 4032, 3024);
+  EXPECT_GT(zoomed->relative_focal_sigma(), 0.3);
+  EXPECT_GT(zoomed->mean[0], IntrinsicsEstimate::from_exif(of_35mm(26), 4032, 3024)->mean[0]);
   EXPECT_LT(sigma, 0.06);
 }
 
@@ -182,10 +182,11 @@ TEST(LensOfAPhoto, IsNotKnownOfAPictureThatWasCroppedOrOfNoSuchLens) {
   image::ExifLens exif = of_35mm(26);
   exif.width = 4032;
   exif.height = 3024;
-  EXPECT_TRUE(LensEstimate::of_photo(exif, 480, 640).has_value()) << "made smaller and turned";
-  EXPECT_FALSE(LensEstimate::of_photo(exif, 640, 640).has_value());
-  EXPECT_FALSE(LensEstimate::of_photo(of_35mm(1), 640, 480).has_value());
-  EXPECT_FALSE(LensEstimate::of_photo(of_35mm(1000), 640, 480).has_value());
+  EXPECT_TRUE(IntrinsicsEstimate::from_exif(exif, 480, 640).has_value())
+      << "made smaller and turned";
+  EXPECT_FALSE(IntrinsicsEstimate::from_exif(exif, 640, 640).has_value());
+  EXPECT_FALSE(IntrinsicsEstimate::from_exif(of_35mm(1), 640, 480).has_value());
+  EXPECT_FALSE(IntrinsicsEstimate::from_exif(of_35mm(1000), 640, 480).has_value());
 }
 
 // Beyond what is taken for granted of phones a lens is found only where its photo tells of it.
@@ -195,7 +196,7 @@ TEST(LensOfAPhoto, FindsThePoseOfATelephotoLens) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     const auto seen = see(camera, seed);
     without += find(seen, seed).motion.status == MotionStatus::kFound ? 1 : 0;
-    const auto lens = LensEstimate::of_photo(of_35mm(77), 480, 640);
+    const auto lens = IntrinsicsEstimate::from_exif(of_35mm(77), 480, 640);
     const LensMotion found = find(seen, seed, *lens);
     with += found.motion.status == MotionStatus::kFound && error_m(found) < 0.25 ? 1 : 0;
   }
@@ -203,8 +204,8 @@ TEST(LensOfAPhoto, FindsThePoseOfATelephotoLens) {
   EXPECT_LT(without, 4);
 }
 
-TEST(LensEstimate, IsTheSameOfAPictureTurned) {
-  const LensEstimate lens = LensEstimate::of_phones();
+TEST(IntrinsicsEstimate, IsTheSameOfAPictureTurned) {
+  const IntrinsicsEstimate lens = IntrinsicsEstimate::typical_of_phones();
   const PinholeCamera upright = lens.camera(480, 640), flat = lens.camera(640, 480);
   EXPECT_EQ(upright.fx, flat.fx);
   EXPECT_EQ(upright.fy, flat.fx);

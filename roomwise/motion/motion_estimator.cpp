@@ -33,7 +33,7 @@ std::vector<PointObservation> inliers_of(std::span<const PointObservation> obser
 }  // namespace
 
 Expected<void> MotionOptions::validate() const {
-  ROOMWISE_CHECK_OK(matching.validate());
+  ROOMWISE_RETURN_IF_ERROR(matching.validate());
   if (min_inliers < 4) return fail("min_inliers = {} must be at least 4", min_inliers);
   if (min_matches < min_inliers) {
     return fail("min_matches = {} must not be below min_inliers = {}", min_matches, min_inliers);

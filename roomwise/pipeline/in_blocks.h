@@ -22,7 +22,7 @@ template <typename Read, typename Make, typename Take>
   run.progress.begin(work, count);
   const std::size_t block = 2 * run.pool.size();
   for (std::size_t first = 0; first < count; first += block) {
-    ROOMWISE_CHECK_OK(run.progress.check(work));
+    ROOMWISE_RETURN_IF_ERROR(run.progress.check(work));
     const std::size_t size = std::min(block, count - first);
     std::vector<Item> items;
     for (std::size_t i = 0; i < size; ++i) {
@@ -33,7 +33,7 @@ template <typename Read, typename Make, typename Take>
     run.pool.parallel_for(size, [&](std::size_t i) { made[i] = make(first + i, items[i]); });
     for (std::size_t i = 0; i < size; ++i) {
       if (!made[i]) return Unexpected(std::move(made[i]).error());
-      ROOMWISE_CHECK_OK(take(first + i, *std::move(made[i])));
+      ROOMWISE_RETURN_IF_ERROR(take(first + i, *std::move(made[i])));
     }
     run.progress.advance(first + size, "");
   }

@@ -48,7 +48,7 @@ Expected<geometry::PinholeCamera> parse_camera(std::span<const std::string_view>
   camera.height = static_cast<int>(values[5]);
   camera.depth_units_per_metre = values[6];
   camera.distortion = {values[7], values[8], values[9], values[10], values[11]};
-  ROOMWISE_CHECK_OK(camera.validate());
+  ROOMWISE_RETURN_IF_ERROR(camera.validate());
   return camera;
 }
 

@@ -115,7 +115,7 @@ Expected<void> OpenNi2Options::validate() const {
   if (!std::isfinite(timeout_s) || timeout_s <= 0 || timeout_s > 3600) {
     return fail("timeout_s = {} must be positive, at most 3600", timeout_s);
   }
-  if (camera) ROOMWISE_CHECK_OK(camera->validate());
+  if (camera) ROOMWISE_RETURN_IF_ERROR(camera->validate());
   return {};
 }
 
@@ -159,10 +159,10 @@ class OpenNi2Source::Session {
 
 Expected<void> OpenNi2Source::Session::open() {
   if (!library_.started()) return fail("OpenNI 2 does not start: {}", openni_reason());
-  ROOMWISE_CHECK_OK(open_device());
-  for (Stream* stream : {&color_, &depth_}) ROOMWISE_CHECK_OK(create_stream(*stream));
-  ROOMWISE_CHECK_OK(device_.isFile() ? configure_file() : configure_camera());
-  ROOMWISE_CHECK_OK(check_streams());
+  ROOMWISE_RETURN_IF_ERROR(open_device());
+  for (Stream* stream : {&color_, &depth_}) ROOMWISE_RETURN_IF_ERROR(create_stream(*stream));
+  ROOMWISE_RETURN_IF_ERROR(device_.isFile() ? configure_file() : configure_camera());
+  ROOMWISE_RETURN_IF_ERROR(check_streams());
   ROOMWISE_TRY(info_.camera, camera_of_streams());
   for (Stream* stream : {&color_, &depth_}) {
     if (stream->stream.start() != openni::STATUS_OK) {
@@ -222,8 +222,8 @@ Expected<void> OpenNi2Source::Session::configure_file() {
 }
 
 Expected<void> OpenNi2Source::Session::configure_camera() {
-  ROOMWISE_CHECK_OK(choose_mode(color_, kColorFormats));
-  ROOMWISE_CHECK_OK(choose_mode(depth_, kDepthFormats));
+  ROOMWISE_RETURN_IF_ERROR(choose_mode(color_, kColorFormats));
+  ROOMWISE_RETURN_IF_ERROR(choose_mode(depth_, kDepthFormats));
   const auto registration = openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR;
   if (!device_.isImageRegistrationModeSupported(registration) ||
       device_.setImageRegistrationMode(registration) != openni::STATUS_OK) {
@@ -298,7 +298,7 @@ Expected<geometry::PinholeCamera> OpenNi2Source::Session::camera_of_streams() co
   const bool millimetres =
       depth_.stream.getVideoMode().getPixelFormat() == openni::PIXEL_FORMAT_DEPTH_1_MM;
   camera.depth_units_per_metre = millimetres ? 1000 : 10'000;
-  ROOMWISE_CHECK_OK(camera.validate());
+  ROOMWISE_RETURN_IF_ERROR(camera.validate());
   return camera;
 }
 
@@ -308,7 +308,7 @@ Expected<std::optional<image::RgbdFrame>> OpenNi2Source::Session::next() {
   for (;;) {
     if (!bring_pair_to_front()) {
       if (color_.at_end() && depth_.at_end()) return std::optional<image::RgbdFrame>();
-      ROOMWISE_CHECK_OK(read_any(deadline));
+      ROOMWISE_RETURN_IF_ERROR(read_any(deadline));
       count_remaining();
     } else if (next_index_ < first_wanted_index_) {
       drop_front_pair();
@@ -416,9 +416,9 @@ OpenNi2Source::OpenNi2Source(std::unique_ptr<Session> session) : session_(std::m
 OpenNi2Source::~OpenNi2Source() = default;
 
 Expected<std::unique_ptr<OpenNi2Source>> OpenNi2Source::open(const OpenNi2Options& options) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   auto session = std::make_unique<Session>(options);
-  ROOMWISE_CHECK_OK(session->open());
+  ROOMWISE_RETURN_IF_ERROR(session->open());
   return std::unique_ptr<OpenNi2Source>(new OpenNi2Source(std::move(session)));
 }
 

@@ -162,7 +162,7 @@ Expected<void> leave_out_personal_data(const fs::path& folder) {
     if (entry->is_regular_file()) files.push_back(entry->path());
   }
   if (error) return fail("{}: cannot be read: {}", folder.string(), error.message());
-  for (const fs::path& file : files) ROOMWISE_CHECK_OK(take_out_of_file(file));
+  for (const fs::path& file : files) ROOMWISE_RETURN_IF_ERROR(take_out_of_file(file));
   return {};
 }
 

@@ -25,7 +25,7 @@ geometry::RigidTransform between(const StampedPose& before, const StampedPose& a
 
 Expected<void> RecordingOptions::validate() const {
   if (tolerance_ns <= 0) return fail("tolerance_ns = {} must be positive", tolerance_ns);
-  if (camera) ROOMWISE_CHECK_OK(camera->validate());
+  if (camera) ROOMWISE_RETURN_IF_ERROR(camera->validate());
   return {};
 }
 

@@ -63,8 +63,8 @@ Expected<void> validate_room_name(std::string_view name) {
 
 Expected<RoomLabels> RoomLabels::from_ranges(std::vector<RoomRange> ranges) {
   for (std::size_t i = 0; i < ranges.size(); ++i) {
-    ROOMWISE_CHECK_OK(validate(ranges[i]));
-    if (i > 0) ROOMWISE_CHECK_OK(validate_order(ranges[i - 1], ranges[i]));
+    ROOMWISE_RETURN_IF_ERROR(validate(ranges[i]));
+    if (i > 0) ROOMWISE_RETURN_IF_ERROR(validate_order(ranges[i - 1], ranges[i]));
   }
   RoomLabels labels;
   labels.ranges_ = std::move(ranges);
@@ -77,9 +77,9 @@ Expected<RoomLabels> RoomLabels::read(const std::filesystem::path& path) {
   for (const DataLine& line : data_lines(text)) {
     const auto parse_and_check = [&]() -> Expected<RoomRange> {
       ROOMWISE_TRY(RoomRange range, parse_range(line.words));
-      ROOMWISE_CHECK_OK(validate(range));
+      ROOMWISE_RETURN_IF_ERROR(validate(range));
       if (!labels.ranges_.empty()) {
-        ROOMWISE_CHECK_OK(validate_order(labels.ranges_.back(), range));
+        ROOMWISE_RETURN_IF_ERROR(validate_order(labels.ranges_.back(), range));
       }
       return range;
     };

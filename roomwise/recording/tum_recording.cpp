@@ -141,7 +141,7 @@ bool TumRecording::recognises(const std::filesystem::path& folder) {
 
 Expected<std::unique_ptr<TumRecording>> TumRecording::open(const std::filesystem::path& folder,
                                                            const RecordingOptions& options) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   ROOMWISE_TRY(ImageList colors, ImageList::open(folder, kColorList));
   ROOMWISE_TRY(ImageList depths, ImageList::open(folder, kDepthList));
   ROOMWISE_TRY(const geometry::PinholeCamera camera, camera_of(folder, options));

@@ -204,12 +204,12 @@ TumWriter::TumWriter(std::filesystem::path folder, const geometry::PinholeCamera
 
 Expected<std::unique_ptr<TumWriter>> TumWriter::create(const std::filesystem::path& folder,
                                                        const geometry::PinholeCamera& camera) {
-  ROOMWISE_CHECK_OK(camera.validate());
-  ROOMWISE_CHECK_OK(make_empty_folder(folder));
-  ROOMWISE_CHECK_OK(write_camera(folder / "camera.txt", camera));
+  ROOMWISE_RETURN_IF_ERROR(camera.validate());
+  ROOMWISE_RETURN_IF_ERROR(make_empty_folder(folder));
+  ROOMWISE_RETURN_IF_ERROR(write_camera(folder / "camera.txt", camera));
   std::unique_ptr<TumWriter> writer(new TumWriter(folder, camera));
-  ROOMWISE_CHECK_OK(writer->color_list_->begin());
-  ROOMWISE_CHECK_OK(writer->depth_list_->begin());
+  ROOMWISE_RETURN_IF_ERROR(writer->color_list_->begin());
+  ROOMWISE_RETURN_IF_ERROR(writer->depth_list_->begin());
   return writer;
 }
 
@@ -242,10 +242,10 @@ Expected<void> TumWriter::check(const image::RgbdFrame& frame) const {
 
 Expected<void> TumWriter::write(const image::RgbdFrame& frame,
                                 const std::optional<PoseCovariance>& covariance) {
-  ROOMWISE_CHECK_OK(check(frame));
+  ROOMWISE_RETURN_IF_ERROR(check(frame));
   if (frame.device_motion && motion_ == nullptr) motion_ = std::make_unique<MotionFile>(folder_);
   if (frame.device_motion) {
-    ROOMWISE_CHECK_OK(motion_->add(frame.timestamp_ns, *frame.device_motion, covariance));
+    ROOMWISE_RETURN_IF_ERROR(motion_->add(frame.timestamp_ns, *frame.device_motion, covariance));
   }
   auto depth_added = depth_list_->add(frame.timestamp_ns, image::depth_file(frame));
   if (!depth_added) {
@@ -281,7 +281,7 @@ void TumWriter::note_room_of_next_frame() {
 
 Expected<void> TumWriter::name_room(std::optional<std::string> room) {
   if (color_list_ == nullptr) return fail("{}: the recording is closed", folder_.string());
-  if (room) ROOMWISE_CHECK_OK(validate_room_name(*room));
+  if (room) ROOMWISE_RETURN_IF_ERROR(validate_room_name(*room));
   if (room == room_) return {};
   room_ = std::move(room);
   return write_rooms();
@@ -297,9 +297,9 @@ Expected<void> TumWriter::close() {
   if (color_list_ == nullptr) return {};
   const auto colors = std::exchange(color_list_, nullptr);
   const auto depths = std::exchange(depth_list_, nullptr);
-  ROOMWISE_CHECK_OK(write_rooms());
-  if (motion_ != nullptr) ROOMWISE_CHECK_OK(motion_->flush_to_disk());
-  ROOMWISE_CHECK_OK(depths->flush_to_disk());
+  ROOMWISE_RETURN_IF_ERROR(write_rooms());
+  if (motion_ != nullptr) ROOMWISE_RETURN_IF_ERROR(motion_->flush_to_disk());
+  ROOMWISE_RETURN_IF_ERROR(depths->flush_to_disk());
   return colors->flush_to_disk();
 }
 

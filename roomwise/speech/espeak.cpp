@@ -114,7 +114,7 @@ Expected<Pcm> synthesize(const std::string& text, const std::string& language,
     return fail("{} words a minute; expected {} to {}", words_per_minute, kSlowest, kFastest);
   }
   if (text.size() > kLongest) return fail("a text of more than {} bytes is no prompt", kLongest);
-  ROOMWISE_CHECK_OK(check_language(language));
+  ROOMWISE_RETURN_IF_ERROR(check_language(language));
   if (text.empty()) return Pcm{22'050, {}};
   // -b 1: the text is UTF-8, whatever the environment says.
   ROOMWISE_TRY(const Bytes wav, run_espeak({"-v", language, "-s", std::to_string(words_per_minute),

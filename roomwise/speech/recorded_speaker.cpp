@@ -25,7 +25,7 @@ Expected<Pcm> spoken(const guide::Prompt& prompt, int words_per_minute) {
 
 Expected<void> RecordedSpeaker::begin(const guide::Utterance& utterance, TimestampNs now_ns) {
   ROOMWISE_TRY(const Pcm pcm, spoken(utterance.prompt, words_per_minute_));
-  ROOMWISE_CHECK_OK(timeline_.place(now_ns, pcm));
+  ROOMWISE_RETURN_IF_ERROR(timeline_.place(now_ns, pcm));
   done_ns_ = now_ns + std::llround(pcm.duration_s() * 1e9);
   return {};
 }

@@ -99,7 +99,7 @@ class EarconFiles {
     for (const Sound sound :
          {Sound::kAnswer, Sound::kUnsure, Sound::kLost, Sound::kBack, Sound::kAlert}) {
       const auto path = folder_ / (std::string(guide::to_string(sound)) + ".wav");
-      ROOMWISE_CHECK_OK(write_file(path, wav_bytes(earcon(sound, kEarconRate_hz))));
+      ROOMWISE_RETURN_IF_ERROR(write_file(path, wav_bytes(earcon(sound, kEarconRate_hz))));
       files_[sound] = path;
     }
     return {};
@@ -190,7 +190,7 @@ Expected<std::unique_ptr<SpeechDispatcher>> SpeechDispatcher::open(
     const SpeechDispatcherOptions& options, std::function<void()> on_done) {
   auto connection = std::make_unique<Connection>();
   connection->ends.on_done = std::move(on_done);
-  ROOMWISE_CHECK_OK(connection->earcons.write());
+  ROOMWISE_RETURN_IF_ERROR(connection->earcons.write());
   {
     const std::lock_guard lock(listener_mutex);
     if (listener != nullptr) return fail("this program speaks through speech-dispatcher already");
@@ -215,7 +215,7 @@ Expected<std::unique_ptr<SpeechDispatcher>> SpeechDispatcher::open(
 }
 
 Expected<void> SpeechDispatcher::begin(const guide::Utterance& utterance, TimestampNs now_ns) {
-  ROOMWISE_CHECK_OK(stop(now_ns));
+  ROOMWISE_RETURN_IF_ERROR(stop(now_ns));
   const guide::Prompt& prompt = utterance.prompt;
   const NoSigpipe no_sigpipe;
   if (connection_->language != prompt.language) {

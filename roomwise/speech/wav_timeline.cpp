@@ -76,11 +76,11 @@ Expected<WavTimeline> WavTimeline::create(const std::filesystem::path& path, Tim
   if (rate_hz < 4000 || rate_hz > 192000) {
     return fail("rate_hz is {}; expected 4000 to 192000", rate_hz);
   }
-  ROOMWISE_CHECK_OK(check_may_overwrite(path));
+  ROOMWISE_RETURN_IF_ERROR(check_may_overwrite(path));
   const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor < 0) return fail("{}: {}", path.string(), std::strerror(errno));
   WavTimeline timeline(path, descriptor, begin_ns, rate_hz);
-  ROOMWISE_CHECK_OK(timeline.write_header());
+  ROOMWISE_RETURN_IF_ERROR(timeline.write_header());
   return timeline;
 }
 
@@ -113,10 +113,11 @@ Expected<void> WavTimeline::place(TimestampNs at_ns, const Pcm& pcm) {
   if (count > kMaxSamples - first) {
     return fail("{}: a WAV file holds 4 GB at most", path_.string());
   }
-  ROOMWISE_CHECK_OK(set_length(first));
+  ROOMWISE_RETURN_IF_ERROR(set_length(first));
   // The sound first, then the sizes that count it: a program that is killed between leaves a file
   // without the last sound.
-  ROOMWISE_CHECK_OK(write(kHeaderBytes + 2 * first, pcm.samples.data(), 2 * pcm.samples.size()));
+  ROOMWISE_RETURN_IF_ERROR(
+      write(kHeaderBytes + 2 * first, pcm.samples.data(), 2 * pcm.samples.size()));
   samples_ = first + count;
   return write_header();
 }
@@ -135,7 +136,7 @@ Expected<void> WavTimeline::extend(TimestampNs to_ns) {
 Expected<void> WavTimeline::set_length(std::int64_t samples) {
   const bool is_shorter = samples < samples_;
   samples_ = samples;
-  if (is_shorter) ROOMWISE_CHECK_OK(write_header());
+  if (is_shorter) ROOMWISE_RETURN_IF_ERROR(write_header());
   if (ftruncate(descriptor_, kHeaderBytes + 2 * samples) != 0) {
     return fail("{}: {}", path_.string(), std::strerror(errno));
   }

@@ -106,7 +106,7 @@ Expected<std::vector<Choice>> parse_list(std::string_view text) {
     choice.kind = words[0];
     choice.id = words[1];
     for (const std::string_view option : std::span(words).subspan(2)) {
-      ROOMWISE_CHECK_OK(apply_option(option, choice));
+      ROOMWISE_RETURN_IF_ERROR(apply_option(option, choice));
     }
     choices.push_back(std::move(choice));
   }
@@ -144,7 +144,7 @@ FurnitureModel model_of(const Choice& choice, const FurnitureProperties& propert
 Expected<FurnitureCatalogue> FurnitureCatalogue::open(const std::filesystem::path& folder) {
   ROOMWISE_TRY(const auto archives, archives_in(folder));
   Offers offers;
-  for (const auto& archive : archives) ROOMWISE_CHECK_OK(add_offers(archive, offers));
+  for (const auto& archive : archives) ROOMWISE_RETURN_IF_ERROR(add_offers(archive, offers));
   ROOMWISE_TRY(const auto choices, parse_list(furniture_list()));
   FurnitureCatalogue catalogue;
   for (const Choice& choice : choices) {

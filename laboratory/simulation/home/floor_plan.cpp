@@ -62,7 +62,7 @@ Expected<void> check_rooms(const std::vector<RoomKind>& rooms) {
 Expected<HomeModel> plan_floor(std::uint64_t seed, std::vector<RoomKind> rooms) {
   if (rooms.empty()) rooms = choose_rooms(seed);
   if (std::ranges::count(rooms, RoomKind::kHall) == 0) rooms.push_back(RoomKind::kHall);
-  ROOMWISE_CHECK_OK(check_rooms(rooms));
+  ROOMWISE_RETURN_IF_ERROR(check_rooms(rooms));
 
   HomeModel home;
   home.seed = seed;

@@ -181,13 +181,13 @@ class FloorPlanReader {
   Expected<FloorPlanTruth> read() {
     json_.at("ceiling_height").get_to(plan_.ceiling_height_m);
     json_.at("wall_thickness").get_to(plan_.wall_thickness_m);
-    ROOMWISE_CHECK_OK(read_rooms());
-    ROOMWISE_CHECK_OK(read_storeys());
+    ROOMWISE_RETURN_IF_ERROR(read_rooms());
+    ROOMWISE_RETURN_IF_ERROR(read_storeys());
     for (const Json& wall : json_.at("walls")) {
       plan_.walls.push_back({read_point<2>(wall.at("from")), read_point<2>(wall.at("to"))});
     }
-    ROOMWISE_CHECK_OK(read_doors());
-    ROOMWISE_CHECK_OK(read_windows());
+    ROOMWISE_RETURN_IF_ERROR(read_doors());
+    ROOMWISE_RETURN_IF_ERROR(read_windows());
     const Json& space = json_.at("free_space");
     plan_.free_space = {read_point<2>(space.at("origin")), space.at("cell").get<double>(),
                         space.at("person_radius").get<double>(),

@@ -69,7 +69,7 @@ Expected<void> HomeOptions::validate() const {
 
 Expected<HomeModel> generate_home(const HomeOptions& options,
                                   std::span<const FurnitureModel> models) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   if (options.storeys == 2) return generate_two_storeys(options, models);
   ROOMWISE_TRY(HomeModel home, plan_floor(options.seed, options.rooms));
   if (options.finish_seed) home = with_other_finishes(std::move(home), *options.finish_seed);

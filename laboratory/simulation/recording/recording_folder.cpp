@@ -104,7 +104,7 @@ Expected<void> mark_unfinished(const fs::path& folder, const SimulationOptions& 
 
 Expected<void> mark_finished(const fs::path& folder, const SimulationOptions& options,
                              const std::string& scene_digest) {
-  ROOMWISE_CHECK_OK(write_simulation(folder / kFinished, {options, scene_digest}));
+  ROOMWISE_RETURN_IF_ERROR(write_simulation(folder / kFinished, {options, scene_digest}));
   std::error_code ignored;  // with simulation.json beside it the mark says nothing
   fs::remove(folder / kUnfinished, ignored);
   return {};

@@ -46,7 +46,7 @@ class WalkRecorder {
       const ColorSettings settings = exposure_.next(seen, pose.timestamp_ns, index);
       return sensor_.capture(seen, pose, index, settings, pool_);
     }();
-    ROOMWISE_CHECK_OK(finish());
+    ROOMWISE_RETURN_IF_ERROR(finish());
     // Its images are encoded while the next frame is drawn.
     auto raw = std::make_shared<image::RgbdFrame>(std::move(frame));
     pending_.emplace(Pending{pose, index, std::move(seen.object), pool_.submit([raw] {
@@ -61,8 +61,8 @@ class WalkRecorder {
     const auto timing = clock_.measure("write");
     Pending written = *std::exchange(pending_, std::nullopt);
     const image::RgbdFrame frame = written.encoded.get();
-    ROOMWISE_CHECK_OK(writer_.name_room(home_.rooms[written.pose.room].name));
-    ROOMWISE_CHECK_OK(writer_.write(frame));
+    ROOMWISE_RETURN_IF_ERROR(writer_.name_room(home_.rooms[written.pose.room].name));
+    ROOMWISE_RETURN_IF_ERROR(writer_.write(frame));
     observations_.add(written.index, written.object);
     trajectory_.push_back({written.pose.timestamp_ns, written.pose.world_from_camera});
     return {};
@@ -112,9 +112,9 @@ geometry::PinholeCamera SimulationOptions::default_camera() {
 }
 
 Expected<void> SimulationOptions::validate() const {
-  ROOMWISE_CHECK_OK(walk.validate());
-  ROOMWISE_CHECK_OK(camera.validate());
-  ROOMWISE_CHECK_OK(render.validate());
+  ROOMWISE_RETURN_IF_ERROR(walk.validate());
+  ROOMWISE_RETURN_IF_ERROR(camera.validate());
+  ROOMWISE_RETURN_IF_ERROR(render.validate());
   return sensor.validate();
 }
 
@@ -132,21 +132,21 @@ Expected<SimulationSummary> simulate_recording(const SimulationOptions& options,
                                                const std::filesystem::path& folder,
                                                ThreadPool& pool, Progress& progress,
                                                StageClock& clock) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   ROOMWISE_TRY(const HomeModel plan, make_home(options, catalogue));
   ROOMWISE_TRY(const std::vector<WalkPose> walk, plan_walk(plan, options.walk));
   const HomeModel home = in_world(plan);
   ROOMWISE_TRY(const Sensor sensor, Sensor::create(options.camera, options.sensor));
   // Before the long work, which a folder that cannot be written or is not empty would waste.
   const bool is_new = !std::filesystem::exists(folder);
-  ROOMWISE_CHECK_OK(remove_unfinished(folder, options));
+  ROOMWISE_RETURN_IF_ERROR(remove_unfinished(folder, options));
   ROOMWISE_TRY(auto writer, recording::TumWriter::create(folder, options.camera));
-  ROOMWISE_CHECK_OK(mark_unfinished(folder, options));
+  ROOMWISE_RETURN_IF_ERROR(mark_unfinished(folder, options));
   auto renderer = Renderer::create(home, catalogue, options.render, pool, progress);
   if (!renderer) {
     // Nothing was drawn: the folder is left as it was found.
     writer.reset();
-    ROOMWISE_CHECK_OK(remove_unfinished(folder, options));
+    ROOMWISE_RETURN_IF_ERROR(remove_unfinished(folder, options));
     std::error_code ignored;
     if (is_new) std::filesystem::remove(folder, ignored);
     return Unexpected(std::move(renderer).error());
@@ -163,15 +163,15 @@ Expected<SimulationSummary> simulate_recording(const SimulationOptions& options,
   }
   if (recorded) recorded = recorder.finish();
   progress.end();
-  ROOMWISE_CHECK_OK(writer->close());
+  ROOMWISE_RETURN_IF_ERROR(writer->close());
   const recording::Trajectory& truth = recorder.trajectory();
-  ROOMWISE_CHECK_OK(recording::write_trajectory(folder / "groundtruth.txt", truth));
-  ROOMWISE_CHECK_OK(write_objects_truth(
+  ROOMWISE_RETURN_IF_ERROR(recording::write_trajectory(folder / "groundtruth.txt", truth));
+  ROOMWISE_RETURN_IF_ERROR(write_objects_truth(
       folder / "objects.json", objects_truth(home, catalogue.models(), recorder.observations())));
-  ROOMWISE_CHECK_OK(write_floor_plan(folder / "floorplan.json", plan));
+  ROOMWISE_RETURN_IF_ERROR(write_floor_plan(folder / "floorplan.json", plan));
   ROOMWISE_TRY(const std::string credits, credits_of(home, catalogue));
-  ROOMWISE_CHECK_OK(write_file(folder / "credits.txt", credits));
-  ROOMWISE_CHECK_OK(recorded);
+  ROOMWISE_RETURN_IF_ERROR(write_file(folder / "credits.txt", credits));
+  ROOMWISE_RETURN_IF_ERROR(recorded);
 
   SimulationSummary summary;
   summary.frames = truth.size();
@@ -184,7 +184,7 @@ Expected<SimulationSummary> simulate_recording(const SimulationOptions& options,
   summary.bake = (*renderer)->bake_statistics();
   summary.finished = truth.size() == walk.size();
   if (summary.finished) {
-    ROOMWISE_CHECK_OK(mark_finished(folder, options, (*renderer)->scene_digest()));
+    ROOMWISE_RETURN_IF_ERROR(mark_finished(folder, options, (*renderer)->scene_digest()));
   }
   return summary;
 }

@@ -72,7 +72,7 @@ Expected<ordered_json> begin_folder(const fs::path& folder, const ViewsOptions& 
           "{}: is not empty; give a new folder, or one that holds views of the same options",
           folder.string());
     }
-    ROOMWISE_CHECK_OK(write_file(folder / kManifest, manifest.dump(1) + "\n"));
+    ROOMWISE_RETURN_IF_ERROR(write_file(folder / kManifest, manifest.dump(1) + "\n"));
     return manifest;
   }
   ROOMWISE_TRY(const std::string text, read_text_file(folder / kManifest));
@@ -167,7 +167,7 @@ class ViewsWriter {
     HomePhotographer photographer(options_, home, *renderer, folder_, pool_);
     for (std::size_t i = 0; i < views.size(); ++i) {
       if (progress_.interrupted()) return {};
-      ROOMWISE_CHECK_OK(photographer.take(views[i], i));
+      ROOMWISE_RETURN_IF_ERROR(photographer.take(views[i], i));
     }
     return note(home, views.size());
   }
@@ -181,7 +181,7 @@ class ViewsWriter {
     manifest_["models"] = models_;
     ROOMWISE_TRY(const std::string credits,
                  catalogue_.credits(std::vector<std::string>(models_.begin(), models_.end())));
-    ROOMWISE_CHECK_OK(write_file(folder_ / "credits.txt", credits));
+    ROOMWISE_RETURN_IF_ERROR(write_file(folder_ / "credits.txt", credits));
     return write_file(folder_ / kManifest, manifest_.dump(1) + "\n");
   }
 
@@ -224,7 +224,7 @@ Scenario scenario_of(std::uint64_t home_seed, std::uint64_t seed) {
 Expected<ViewsSummary> simulate_views(const ViewsOptions& options,
                                       const FurnitureCatalogue& catalogue, const fs::path& folder,
                                       ThreadPool& pool, Progress& progress) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   ROOMWISE_TRY(ordered_json manifest, begin_folder(folder, options));
   ViewsWriter writer(options, catalogue, folder, std::move(manifest), pool, progress);
   const std::uint64_t homes = options.last_home - options.first_home + 1;
@@ -238,7 +238,7 @@ Expected<ViewsSummary> simulate_views(const ViewsOptions& options,
     progress.advance(writer.homes(), fmt::format("{} pictures", writer.pictures()));
   }
   progress.end();
-  ROOMWISE_CHECK_OK(added);
+  ROOMWISE_RETURN_IF_ERROR(added);
   return ViewsSummary{writer.homes(), writer.pictures(), writer.homes() >= homes};
 }
 

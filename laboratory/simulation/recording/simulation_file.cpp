@@ -121,7 +121,7 @@ Expected<SimulationOptions> from_json(const ordered_json& json) {
   visit_camera(options.camera, reader("camera"));
   visit_render(options.render, reader("render"));
   visit_sensor(options.sensor, reader("sensor"));
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   return options;
 }
 

@@ -133,7 +133,7 @@ Expected<void> Baker::in_chunks(std::string_view work, int rounds, std::size_t c
 Expected<std::vector<Flux>> Baker::at_all_points(
     std::string_view work, const std::function<Flux(std::size_t, std::uint64_t&)>& gather) {
   std::vector<Flux> fluxes(point_count());
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       in_chunks(work, 1, point_count(), [&](int /*round*/, std::size_t from, std::size_t to) {
         std::uint64_t rays = 0;
         for (std::size_t i = from; i < to; ++i) fluxes[i] = gather(i, rays);
@@ -254,13 +254,13 @@ Expected<BakedLight> Baker::finish(const std::vector<Flux>& direct,
   for (auto& values : light.corners) values.resize(corners);
   CornerLight corner_light(corners_, std::span(direct).subspan(texels_.size()),
                            std::span(indirect).subspan(texels_.size()));
-  ROOMWISE_CHECK_OK(in_chunks(
+  ROOMWISE_RETURN_IF_ERROR(in_chunks(
       "smoothing the light", CornerLight::kRounds, corners_.points().size(),
       [&](int round, std::size_t from, std::size_t to) { corner_light.smooth(round, from, to); }));
-  ROOMWISE_CHECK_OK(in_chunks("blending the light", 1, corners,
-                              [&](int /*round*/, std::size_t from, std::size_t to) {
-                                corner_light.blend(from, to, light.corners);
-                              }));
+  ROOMWISE_RETURN_IF_ERROR(in_chunks("blending the light", 1, corners,
+                                     [&](int /*round*/, std::size_t from, std::size_t to) {
+                                       corner_light.blend(from, to, light.corners);
+                                     }));
   let_shades_glow(light);
 
   light.texels = texel_light(direct);

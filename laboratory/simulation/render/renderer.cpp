@@ -54,7 +54,7 @@ Expected<void> BakedRenderer::prepare_light(ThreadPool& pool, Progress& progress
       statistics_.from_cache = true;
       return {};
     }
-    ROOMWISE_CHECK_OK(check_can_write(options_.light_cache));
+    ROOMWISE_RETURN_IF_ERROR(check_can_write(options_.light_cache));
   }
   ROOMWISE_TRY(light_,
                bake_light(scene_, emitters_, options_.bake_effort, pool, progress, statistics_));
@@ -112,11 +112,11 @@ Expected<void> RenderOptions::validate() const {
 Expected<std::unique_ptr<Renderer>> Renderer::create(const HomeModel& home, const MeshLoader& load,
                                                      const RenderOptions& options, ThreadPool& pool,
                                                      Progress& progress) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   ROOMWISE_TRY(const auto meshes, load_meshes(home, load));
   ROOMWISE_TRY(Scene scene, Scene::build(home, meshes));
   auto renderer = std::make_unique<BakedRenderer>(home, std::move(scene), options);
-  ROOMWISE_CHECK_OK(renderer->prepare_light(pool, progress));
+  ROOMWISE_RETURN_IF_ERROR(renderer->prepare_light(pool, progress));
   return renderer;
 }
 

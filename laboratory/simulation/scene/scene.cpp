@@ -232,7 +232,7 @@ Expected<Scene> Scene::build(const HomeModel& home,
   TextureStore textures;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const TriangleMesh& mesh = *meshes[i];
-    ROOMWISE_CHECK_OK(check_mesh(mesh, home.objects[i]));
+    ROOMWISE_RETURN_IF_ERROR(check_mesh(mesh, home.objects[i]));
     const auto first = static_cast<std::uint32_t>(scene.appearances_.size());
     for (const SurfaceMaterial& material : mesh.materials) {
       scene.appearances_.push_back(Appearance::material(material, textures.find(material)));

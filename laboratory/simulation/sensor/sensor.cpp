@@ -93,8 +93,8 @@ Expected<void> SensorOptions::validate() const {
 
 Expected<Sensor> Sensor::create(const geometry::PinholeCamera& camera,
                                 const SensorOptions& options) {
-  ROOMWISE_CHECK_OK(camera.validate());
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(camera.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   return Sensor(camera, options);
 }
 

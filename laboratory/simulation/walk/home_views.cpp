@@ -113,7 +113,7 @@ class ViewSampler {
       for (std::size_t turn = 0; turn < options_.of_kind; ++turn) {
         // Where there are fewer views than pieces, not always of the first ones.
         const std::size_t object = objects[(home_.seed + turn) % objects.size()];
-        ROOMWISE_CHECK_OK(look_at(object, turn, std::string(name), load));
+        ROOMWISE_RETURN_IF_ERROR(look_at(object, turn, std::string(name), load));
       }
     }
     return {};
@@ -266,7 +266,7 @@ Expected<std::vector<SampledView>> choose_home_views(const HomeModel& home, cons
                                                      const HomeViewOptions& options,
                                                      ThreadPool& pool) {
   ViewSampler sampler(home, renderer, options, pool);
-  ROOMWISE_CHECK_OK(sampler.look_at_pieces(load));
+  ROOMWISE_RETURN_IF_ERROR(sampler.look_at_pieces(load));
   for (std::size_t room = 0; room < home.rooms.size(); ++room) sampler.look_around(room);
   return sampler.take();
 }

@@ -69,7 +69,7 @@ Expected<void> WalkOptions::validate() const {
 }
 
 Expected<std::vector<WalkPose>> plan_walk(const HomeModel& home, const WalkOptions& options) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   if (home.rooms.empty()) return fail("a home without rooms cannot be walked through");
   ROOMWISE_TRY(const Route route, plan_route(home, options));
   const HandHeldCamera camera(walk_along(route, options), options);

@@ -47,15 +47,15 @@ class RoutePlanner {
 
   Expected<Route> plan() {
     ROOMWISE_TRY(const std::vector<std::size_t> rooms, rooms_to_visit());
-    ROOMWISE_CHECK_OK(find_start(rooms.front()));
+    ROOMWISE_RETURN_IF_ERROR(find_start(rooms.front()));
     bool has_shown_wall = false;
     for (std::size_t i = 0; i < rooms.size(); ++i) {
-      ROOMWISE_CHECK_OK(visit(rooms[i], i));
+      ROOMWISE_RETURN_IF_ERROR(visit(rooms[i], i));
       const bool is_time = i + 1 == rooms.size() || random_.uniform() < 0.5;
       if (!has_shown_wall && is_time) has_shown_wall = look_at_bare_wall();
     }
-    ROOMWISE_CHECK_OK(go_over_stairs(rooms.front()));
-    ROOMWISE_CHECK_OK(go_to(route_.start, "the start"));
+    ROOMWISE_RETURN_IF_ERROR(go_over_stairs(rooms.front()));
+    ROOMWISE_RETURN_IF_ERROR(go_to(route_.start, "the start"));
     route_.legs.back().gazes.push_back({route_.start_heading_rad, 0.15, 0.6});
     return std::move(route_);
   }
@@ -142,8 +142,8 @@ class RoutePlanner {
     while (!views.empty()) {
       const auto next = std::ranges::min_element(
           views, {}, [&](const Viewpoint& view) { return (view.place - place_).norm(); });
-      ROOMWISE_CHECK_OK(go_over_stairs(room));
-      ROOMWISE_CHECK_OK(go_to(next->place, home_.rooms[room].name));
+      ROOMWISE_RETURN_IF_ERROR(go_over_stairs(room));
+      ROOMWISE_RETURN_IF_ERROR(go_to(next->place, home_.rooms[room].name));
       // All around, once in a room; in every third one quickly.
       look_at(*next, is_first, options_.fast_turns && turn % 3 == 1);
       is_first = false;
@@ -188,7 +188,7 @@ class RoutePlanner {
         return fail("no stairs lead to the {}", home_.rooms[room].name);
       }
       const Eigen::Vector2d below = place_below(*stairs), above = place_above(home_, *stairs);
-      ROOMWISE_CHECK_OK(go_to(is_up ? below : above, "stairs"));
+      ROOMWISE_RETURN_IF_ERROR(go_to(is_up ? below : above, "stairs"));
       const Eigen::Vector2d ahead = is_up ? stairs->up : Eigen::Vector2d(-stairs->up);
       heading_ = std::atan2(ahead.y(), ahead.x());
       route_.legs.back().gazes.push_back({heading_, is_up ? 0.15 : kStairsDown_rad, 0.3});

@@ -25,9 +25,9 @@ simulation::WalkOptions bearing_of(const ChestCameraOptions& options, std::uint6
 }  // namespace
 
 Expected<void> ChestCameraOptions::validate() const {
-  ROOMWISE_CHECK_OK(camera.validate());
-  ROOMWISE_CHECK_OK(sensor.validate());
-  ROOMWISE_CHECK_OK(bearing_of(*this, 0).validate());
+  ROOMWISE_RETURN_IF_ERROR(camera.validate());
+  ROOMWISE_RETURN_IF_ERROR(sensor.validate());
+  ROOMWISE_RETURN_IF_ERROR(bearing_of(*this, 0).validate());
   constexpr double kHalfBody_m = 0.5;
   if (!(ahead_m >= 0 && ahead_m <= kHalfBody_m)) {
     return fail("ahead_m is {}; expected 0 to {}", ahead_m, kHalfBody_m);
@@ -39,7 +39,7 @@ Expected<void> ChestCameraOptions::validate() const {
 Expected<ChestCamera> ChestCamera::create(const ChestCameraOptions& options,
                                           const simulation::Renderer& renderer, ThreadPool& pool,
                                           std::uint64_t seed) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   ROOMWISE_TRY(simulation::Sensor sensor,
                simulation::Sensor::create(options.camera, sensor_of(options, seed)));
   return ChestCamera(options, renderer, std::move(sensor), pool, seed);

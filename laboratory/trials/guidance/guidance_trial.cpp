@@ -270,11 +270,11 @@ std::uint64_t seed_of_walk(const TrialOptions& options, std::uint64_t walk) {
 }
 
 Expected<void> TrialOptions::validate() const {
-  ROOMWISE_CHECK_OK(goals.validate());
-  ROOMWISE_CHECK_OK(faults.validate());
-  ROOMWISE_CHECK_OK(position.validate());
-  ROOMWISE_CHECK_OK(guidance.validate());
-  ROOMWISE_CHECK_OK(style.validate(catalogue()));
+  ROOMWISE_RETURN_IF_ERROR(goals.validate());
+  ROOMWISE_RETURN_IF_ERROR(faults.validate());
+  ROOMWISE_RETURN_IF_ERROR(position.validate());
+  ROOMWISE_RETURN_IF_ERROR(guidance.validate());
+  ROOMWISE_RETURN_IF_ERROR(style.validate(catalogue()));
   if (!(max_s > 0 && patience_s > 0)) {
     return fail("max_s is {} and patience_s {}; expected more than 0", max_s, patience_s);
   }

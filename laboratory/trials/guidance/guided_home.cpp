@@ -378,7 +378,7 @@ std::optional<double> shortest_way_m(const WalkedHome& home, const GuidedGoal& g
 
 Expected<std::vector<GuidedGoal>> choose_goals(const GuidedMap& map, const WalkedHome& home,
                                                const GoalOptions& options) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   std::vector<GuidedGoal> goals = GoalChooser(map, home, options).choose();
   if (goals.empty()) return fail("the home has no goal that a person can reach");
   return goals;

@@ -65,9 +65,9 @@ Expected<std::unique_ptr<GuidingServer>> GuidingServer::start(const fs::path& ho
   options.open = open;
   options.clock = [] { return service::Now::read().unix_s; };
   ROOMWISE_TRY(all.home_, live::LiveHome::open(copy, networks, finders, options));
-  ROOMWISE_CHECK_OK(wait_for_places(*all.home_, home));
+  ROOMWISE_RETURN_IF_ERROR(wait_for_places(*all.home_, home));
   const fs::path access = service::access_folder(copy);
-  ROOMWISE_CHECK_OK(service::make_private_folder(access));
+  ROOMWISE_RETURN_IF_ERROR(service::make_private_folder(access));
   const service::Now now = service::Now::read();
   service::ServerOptions server;
   ROOMWISE_TRY(server.certificate, service::own_certificate(access, {kHost}, now.unix_s));

@@ -10,7 +10,8 @@ Expected<LockStep> LockStep::begin(std::unique_ptr<service::ServerConnection> co
                                    const service::Hello& hello,
                                    std::chrono::milliseconds patience) {
   LockStep device(std::move(connection), patience);
-  ROOMWISE_CHECK_OK(device.connection_->send_text(service::write(service::DeviceMessage(hello))));
+  ROOMWISE_RETURN_IF_ERROR(
+      device.connection_->send_text(service::write(service::DeviceMessage(hello))));
   for (;;) {
     ROOMWISE_TRY(const service::HomeMessage message, device.next());
     if (const auto* error = std::get_if<service::ErrorMessage>(&message)) {
@@ -32,7 +33,7 @@ Expected<service::HomeMessage> LockStep::next() {
 
 Expected<PictureAnswer> LockStep::show(double t_ms, const Bytes& color, const Bytes& depth) {
   constexpr double kSameTime_ms = 1e-3;
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       connection_->send_binary(service::write(service::FrameMessage{t_ms, color, depth})));
   PictureAnswer answer;
   for (;;) {
@@ -54,7 +55,7 @@ Expected<PictureAnswer> LockStep::show(double t_ms, const Bytes& color, const By
 
 Expected<std::vector<guide::Prompt>> LockStep::ask(service::Ask ask) {
   ask.id = ++asked_;
-  ROOMWISE_CHECK_OK(connection_->send_text(service::write(service::DeviceMessage(ask))));
+  ROOMWISE_RETURN_IF_ERROR(connection_->send_text(service::write(service::DeviceMessage(ask))));
   for (;;) {
     ROOMWISE_TRY(const service::HomeMessage message, next());
     if (const auto* prompt = std::get_if<service::PromptMessage>(&message)) {

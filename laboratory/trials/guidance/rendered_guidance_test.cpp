@@ -421,7 +421,7 @@ class ServedWalkTest : public ::testing::Test {
     ROOMWISE_TRY(home::Home home, pipeline::make_or_open_home({file_, walk_, {}, false, ""}));
     ROOMWISE_TRY(const auto source, recording::open_recording(walk_, {}));
     pipeline::OwnRunContext run(1, silent_);
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(
         pipeline::map_recording(*source,
                                 {source->info().name, walk_.string(), source->info().camera,
                                  source->info().frames_remaining},

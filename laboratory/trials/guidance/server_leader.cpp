@@ -88,7 +88,7 @@ Expected<std::unique_ptr<ServerLeader>> ServerLeader::begin(
     std::shared_ptr<const live::HomeView> view, const TrueFrame& frame, const GuidedGoal& goal,
     const guide::SpeakingStyle& style, const ChestCameraOptions& options, ChestCamera camera,
     const PictureTimes& times) {
-  ROOMWISE_CHECK_OK(times.validate());
+  ROOMWISE_RETURN_IF_ERROR(times.validate());
   const service::SpeakingSettings settings = settings_of(style);
   ROOMWISE_TRY(LockStep device,
                LockStep::begin(std::move(connection), hello_of(options, settings)));
@@ -120,7 +120,7 @@ Expected<std::vector<guide::Prompt>> ServerLeader::after_step(double now_s,
   camera_.carry(now_s, walker.place(), walker.heading_rad());
   if (now_s >= next_picture_s_ - kSameTime_s) {
     next_picture_s_ = now_s + 1 / times_.pictures_per_s;
-    ROOMWISE_CHECK_OK(show_picture(now_s));
+    ROOMWISE_RETURN_IF_ERROR(show_picture(now_s));
   }
   std::vector<guide::Prompt> prompts;
   while (!answers_.empty() && now_s >= answers_.front().due_s - kSameTime_s) {

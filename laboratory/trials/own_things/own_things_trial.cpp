@@ -328,7 +328,7 @@ Expected<std::vector<ComparedThing>> compare_own_things(const TrialSet& set,
     if (j % 8 == 0) progress.advance(done, "");
   });
   progress.end();
-  for (const Expected<void>& outcome : outcomes) ROOMWISE_CHECK_OK(outcome);
+  for (const Expected<void>& outcome : outcomes) ROOMWISE_RETURN_IF_ERROR(outcome);
   return results;
 }
 

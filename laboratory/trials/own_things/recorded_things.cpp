@@ -186,7 +186,7 @@ Expected<void> add_recorded_things(const std::vector<LabelledRecording>& recordi
   std::vector<std::unique_ptr<recording::Recording>> opened;
   for (const LabelledRecording& one : recordings) {
     ROOMWISE_TRY(opened.emplace_back(), recording::open_recording(one.folder, {one.camera}));
-    ROOMWISE_CHECK_OK(add_walks(one, *opened.back(), set));
+    ROOMWISE_RETURN_IF_ERROR(add_walks(one, *opened.back(), set));
   }
   for (std::size_t i = 0; i < recordings.size(); ++i) {
     if (recordings[i].labels.empty()) continue;

@@ -127,7 +127,7 @@ Expected<void> TopViewOptions::validate() const {
 Expected<TopView> render_top_view(const geometry::PointCloud& cloud,
                                   std::span<const Vector3d> cameras, const Vector3d& up_world,
                                   const TopViewOptions& options) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   if (cameras.empty()) return fail("the map cannot be drawn: it has no key-frame");
   const auto kept = points_under_ceiling(cloud, cameras, up_world, options.cut_above_m);
   if (kept.empty()) return fail("the map cannot be drawn: it holds no point below the ceiling");

@@ -160,7 +160,7 @@ Expected<void> RelativePoseErrorOptions::validate() const {
 
 Expected<RelativePoseError> relative_pose_error(Poses truth, Poses estimate,
                                                 const RelativePoseErrorOptions& options) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   ROOMWISE_TRY(const auto pairs, pair_by_time(truth, estimate, options.max_time_difference_s));
   std::vector<TimestampNs> times;
   for (const Association& pair : pairs) times.push_back(estimate[pair.second].timestamp_ns);

@@ -11,7 +11,7 @@
 // Pictures with known content for the tests and benchmarks of features. Not part of the product.
 namespace roomwise::features::testing {
 
-inline cv::Mat as_matrix(image::GrayImage& picture) {
+inline cv::Mat mat_view(image::GrayImage& picture) {
   return {picture.height(), picture.width(), CV_8UC1, picture.pixels().data()};
 }
 
@@ -34,7 +34,7 @@ inline image::GrayImage blob_picture(int width, int height, Eigen::Vector2d cent
 inline image::GrayImage textured_picture(int width, int height, std::uint64_t seed) {
   RandomStream random(seed);
   image::GrayImage picture(width, height, 128);
-  cv::Mat canvas = as_matrix(picture);
+  cv::Mat canvas = mat_view(picture);
   const int shapes = width * height / 400;
   for (int i = 0; i < shapes; ++i) {
     const cv::Point2f centre(static_cast<float>(random.uniform() * width),
@@ -84,8 +84,8 @@ inline WarpedPicture warp(image::GrayImage picture, double angle_deg, double sca
                            static_cast<float>(picture.height() - 1) / 2);
   const cv::Mat matrix = cv::getRotationMatrix2D(centre, angle_deg, scale);
   WarpedPicture warped{image::GrayImage(picture.width(), picture.height()), {}};
-  cv::Mat target = as_matrix(warped.picture);
-  cv::warpAffine(as_matrix(picture), target, matrix, target.size(), cv::INTER_CUBIC,
+  cv::Mat target = mat_view(warped.picture);
+  cv::warpAffine(mat_view(picture), target, matrix, target.size(), cv::INTER_CUBIC,
                  cv::BORDER_REFLECT);
   if (blur_sigma_px > 0) cv::GaussianBlur(target, target, {}, blur_sigma_px);
   for (int row = 0; row < 2; ++row) {

@@ -163,7 +163,8 @@ inline TsdfVolume true_field(const Scene& scene, int low, int high,
       const double share =
           distance_m(scene, voxel.cast<double>() * options.voxel_size_m) / options.truncation_m();
       block->voxels[static_cast<std::size_t>(v)] = {
-          static_cast<std::int32_t>(std::lround(100 * kDistanceSteps * std::clamp(share, -1., 1.))),
+          static_cast<std::int32_t>(
+              std::lround(100 * kStepsPerTruncation * std::clamp(share, -1., 1.))),
           100};
     }
     field.insert(place, std::move(block));

@@ -5,7 +5,7 @@
 namespace roomwise::guide {
 
 Expected<void> GuidanceOptions::validate() const {
-  ROOMWISE_CHECK_OK(plan.validate());
+  ROOMWISE_RETURN_IF_ERROR(plan.validate());
   if (!(announce_to_m > 0 && announce_from_m > announce_to_m)) {
     return fail("announce_from_m is {} and announce_to_m {}; expected the first to be larger",
                 announce_from_m, announce_to_m);

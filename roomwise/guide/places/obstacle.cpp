@@ -105,7 +105,7 @@ Expected<void> ObstacleOptions::validate() const {
 Expected<std::vector<Vector2d>> obstacles_seen(const image::DepthImage& depth,
                                                const geometry::PinholeCamera& camera,
                                                const ObstacleOptions& options) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   if (depth.width() != camera.width || depth.height() != camera.height) {
     return fail("the depth image has {}x{} pixels; the camera {}x{}", depth.width(), depth.height(),
                 camera.width, camera.height);

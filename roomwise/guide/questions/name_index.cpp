@@ -77,7 +77,7 @@ void NameIndex::add_noun(const Noun& noun, bool is_of_home, bool is_goal) {
   Noun unnumbered = noun;
   unnumbered.name = without_last_number(noun.name);
   const std::string number = noun.name.substr(unnumbered.name.size());
-  const Phrasebook::Called called = phrases_.ways_to_call(unnumbered);
+  const Phrasebook::Called called = phrases_.spoken_names(unnumbered);
   for (const std::string& name : called.names) {
     add(name + number, noun, Way::kName, is_of_home, is_goal);
     if (!number.empty()) add(name, noun, Way::kOtherName, is_of_home, is_goal);

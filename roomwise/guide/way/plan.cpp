@@ -175,7 +175,7 @@ bool gets_nearer(const Plan& plan, const Plan& other) {
 }  // namespace
 
 Expected<void> PlanOptions::validate() const {
-  ROOMWISE_CHECK_OK(room_for_a_person.validate());
+  ROOMWISE_RETURN_IF_ERROR(room_for_a_person.validate());
   if (!(narrow_radius_m > 0 && narrow_radius_m <= room_for_a_person.person_radius_m)) {
     return fail("narrow_radius_m is {}; expected more than 0, at most person_radius_m, {}",
                 narrow_radius_m, room_for_a_person.person_radius_m);

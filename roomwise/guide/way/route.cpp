@@ -65,7 +65,7 @@ Expected<Route> find_route(const FloorGrid& grid, const Vector2d& from, const Ve
                            const RouteOptions& options, const rooms::RoomLayout* layout,
                            const std::optional<std::string>& goal_room,
                            std::span<const fusion::Staircase> stairs) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   FloorSearch search(grid, options.person_radius_m, options.comfort_m);
   search.lead_over(stairs);
   const auto start =

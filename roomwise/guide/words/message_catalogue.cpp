@@ -22,10 +22,10 @@ Expected<void> check_same(const std::set<std::string>& a, const std::set<std::st
 }
 
 Expected<void> check_same(const Phrasebook& a, const Phrasebook& b) {
-  ROOMWISE_CHECK_OK(check_same(a.messages(), b.messages(), "message", a, b));
+  ROOMWISE_RETURN_IF_ERROR(check_same(a.messages(), b.messages(), "message", a, b));
   for (const std::string& message : a.messages()) {
-    ROOMWISE_CHECK_OK(check_same(a.values_of(message), b.values_of(message),
-                                 fmt::format("the value of message \"{}\"", message), a, b));
+    ROOMWISE_RETURN_IF_ERROR(check_same(a.values_of(message), b.values_of(message),
+                                        fmt::format("the value of message \"{}\"", message), a, b));
   }
   return check_same(a.words(Noun::Kind::kRoom), b.words(Noun::Kind::kRoom), "the word", a, b);
 }
@@ -51,7 +51,7 @@ Expected<MessageCatalogue> MessageCatalogue::parse(std::span<const std::string_v
   if (catalogue.books_.empty()) return fail("there are no messages in any language");
   const Phrasebook& first = catalogue.books_.begin()->second;
   for (const auto& [language, book] : catalogue.books_) {
-    ROOMWISE_CHECK_OK(check_same(first, book));
+    ROOMWISE_RETURN_IF_ERROR(check_same(first, book));
   }
   return catalogue;
 }

@@ -118,7 +118,7 @@ Expected<void> Phrasebook::validate() const {
     if (std::ranges::count(text, '{') != std::ranges::count(text, '}')) {
       return fail("message \"{}\": a brace is not closed", message);
     }
-    for (const Piece& piece : pieces_of(text)) {
+    for (const Segment& piece : segments_of(text)) {
       const bool is_known = forms_.contains(piece.form) || counts_.contains(piece.form);
       if (!piece.form.empty() && !is_known) {
         return fail("message \"{}\": there is no form \"{}\"", message, piece.form);
@@ -148,7 +148,7 @@ Expected<void> Phrasebook::validate() const {
   }
   for (const Words* words : {&things_, &rooms_}) {
     for (const auto& [word, description] : *words) {
-      ROOMWISE_CHECK_OK(validate(word, description));
+      ROOMWISE_RETURN_IF_ERROR(validate(word, description));
     }
   }
   return {};
@@ -170,12 +170,12 @@ Expected<void> Phrasebook::validate(const std::string& word, const Word& descrip
   return {};
 }
 
-std::vector<Phrasebook::Piece> Phrasebook::pieces_of(std::string_view text) {
-  std::vector<Piece> pieces;
+std::vector<Phrasebook::Segment> Phrasebook::segments_of(std::string_view text) {
+  std::vector<Segment> pieces;
   while (!text.empty()) {
     const std::size_t open = std::min(text.find('{'), text.size());
     const std::size_t close = std::min(text.find('}', open), text.size());
-    Piece piece{std::string(text.substr(0, open)), {}, {}};
+    Segment piece{std::string(text.substr(0, open)), {}, {}};
     if (open < text.size()) {
       const std::string_view inside = text.substr(open + 1, close - open - 1);
       const std::size_t space = inside.find(' ');
@@ -199,7 +199,7 @@ std::set<std::string> Phrasebook::values_of(const std::string& message) const {
   const auto found = messages_.find(message);
   if (found == messages_.end()) throw std::invalid_argument("no message " + message);
   std::set<std::string> values;
-  for (const Piece& piece : pieces_of(found->second)) {
+  for (const Segment& piece : segments_of(found->second)) {
     if (!piece.value.empty()) values.insert(piece.value);
   }
   return values;
@@ -209,7 +209,7 @@ std::string Phrasebook::text(const std::string& message, const Values& values) c
   const auto found = messages_.find(message);
   if (found == messages_.end()) throw std::invalid_argument("no message " + message);
   std::string result;
-  for (const Piece& piece : pieces_of(found->second)) {
+  for (const Segment& piece : segments_of(found->second)) {
     result += piece.words;
     if (piece.value.empty()) continue;
     const auto value = values.find(piece.value);
@@ -275,7 +275,7 @@ std::vector<std::string> Phrasebook::words_for(Noun::Kind kind, std::string_view
   return exact;
 }
 
-Phrasebook::Called Phrasebook::ways_to_call(const Noun& noun) const {
+Phrasebook::Called Phrasebook::spoken_names(const Noun& noun) const {
   const Word* const word = find(noun);
   if (word == nullptr) return {{noun.name}, {}};
   Called called{{word->name}, word->also};

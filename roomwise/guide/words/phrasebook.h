@@ -83,7 +83,7 @@ class Phrasebook {
   struct Called {
     std::vector<std::string> names, also;
   };
-  [[nodiscard]] Called ways_to_call(const Noun& noun) const;
+  [[nodiscard]] Called spoken_names(const Noun& noun) const;
   // How one asks here.
   [[nodiscard]] const Grammar& grammar() const { return grammar_; }
   // The home's words that are known here.
@@ -94,12 +94,12 @@ class Phrasebook {
   using Word = objects::SpokenName;
   using Words = std::map<std::string, Word>;
   // A piece of a text between two placeholders, and the placeholder after it.
-  struct Piece {
+  struct Segment {
     std::string words;
     std::string form;
     std::string value;  // empty: none follows
   };
-  [[nodiscard]] static std::vector<Piece> pieces_of(std::string_view text);
+  [[nodiscard]] static std::vector<Segment> segments_of(std::string_view text);
   [[nodiscard]] const Words& words_of(Noun::Kind kind) const;
   [[nodiscard]] const Word* find(const Noun& noun) const;
   [[nodiscard]] std::string in_form(const std::string& form, const Noun& noun) const;

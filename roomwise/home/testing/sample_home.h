@@ -171,7 +171,7 @@ inline OwnThing sample_own_thing() {
 
 // Two visits: the second took what the first had brought.
 inline Expected<void> add_visits(Home& home) {
-  ROOMWISE_CHECK_OK(home.apply_changes(sample_changes()));
+  ROOMWISE_RETURN_IF_ERROR(home.apply_changes(sample_changes()));
   HomeChanges second = sample_changes();
   ROOMWISE_TRY(second.kept, home.instances());
   second.arrived.clear();

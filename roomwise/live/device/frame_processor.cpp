@@ -128,7 +128,7 @@ Expected<FrameResult> FrameProcessor::look(CameraFrame frame,
     result.place->room = home->room_at(result.place->position_gravity());
   }
   ROOMWISE_TRY(result.decision, decide(color, frame.t_ms, answer, depth.has_value(), home));
-  ROOMWISE_CHECK_OK(look_for_own_things(*images, *home, result));
+  ROOMWISE_RETURN_IF_ERROR(look_for_own_things(*images, *home, result));
   if (depth) {
     ROOMWISE_TRY(const auto seen,
                  obstacles_ahead(*depth, *camera_->calibrated, result.place, home->map.get()));

@@ -37,7 +37,7 @@ bool is_part_of_database(const fs::path& file) {
 
 Expected<void> copy_database(const fs::path& from, const fs::path& to) {
   ROOMWISE_TRY(const auto source, home::Database::open(from, home::Database::Access::kReadOnly));
-  ROOMWISE_CHECK_OK(write_file(to, std::string_view()));
+  ROOMWISE_RETURN_IF_ERROR(write_file(to, std::string_view()));
   ROOMWISE_TRY(auto copy, home::Database::open(to, home::Database::Access::kReadWrite));
   return source.copy_to(copy);
 }
@@ -45,7 +45,7 @@ Expected<void> copy_database(const fs::path& from, const fs::path& to) {
 Expected<void> copy_file(const fs::path& from, const fs::path& to, Backup& backup) {
   if (is_part_of_database(from)) return {};
   if (is_database(from)) {
-    ROOMWISE_CHECK_OK(copy_database(from, to));
+    ROOMWISE_RETURN_IF_ERROR(copy_database(from, to));
   } else {
     std::error_code error;
     if (!fs::copy_file(from, to, error)) {
@@ -61,18 +61,18 @@ Expected<void> copy_file(const fs::path& from, const fs::path& to, Backup& backu
 
 Expected<void> copy_all(const fs::path& from, const fs::path& to, Backup& backup) {
   if (!fs::is_directory(from)) return copy_file(from, to, backup);
-  ROOMWISE_CHECK_OK(service::make_private_folder(to));
+  ROOMWISE_RETURN_IF_ERROR(service::make_private_folder(to));
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(from, error)) {
     if (entry.is_symlink()) continue;  // what lies elsewhere is not the home's
-    ROOMWISE_CHECK_OK(copy_all(entry.path(), to / entry.path().filename(), backup));
+    ROOMWISE_RETURN_IF_ERROR(copy_all(entry.path(), to / entry.path().filename(), backup));
   }
   if (error) return fail("{}: cannot be read: {}", from.string(), error.message());
   return {};
 }
 
 Expected<void> copy_home(const home::Home& home, const fs::path& to, Backup& backup) {
-  ROOMWISE_CHECK_OK(home.copy_to(to));
+  ROOMWISE_RETURN_IF_ERROR(home.copy_to(to));
   ++backup.files;
   backup.bytes += fs::file_size(to);
   return {};
@@ -83,7 +83,7 @@ Expected<void> copy_beside(const fs::path& from, const fs::path& to, bool with_w
   for (const std::string_view ending : kBeside) {
     if (ending == kWalks && !with_walks) continue;
     const fs::path source = beside(from, ending);
-    if (fs::exists(source)) ROOMWISE_CHECK_OK(copy_all(source, beside(to, ending), backup));
+    if (fs::exists(source)) ROOMWISE_RETURN_IF_ERROR(copy_all(source, beside(to, ending), backup));
   }
   return {};
 }
@@ -126,14 +126,14 @@ Expected<Backup> back_up(const home::Home& home, const fs::path& folder,
                          const BackupOptions& options) {
   if (fs::exists(folder)) return fail("{}: is there; give a new folder", folder.string());
   const fs::path file = home.file(), partial = folder.string() + ".part";
-  ROOMWISE_CHECK_OK(remove_folder(partial));  // of a backup that was stopped
+  ROOMWISE_RETURN_IF_ERROR(remove_folder(partial));  // of a backup that was stopped
   Backup backup;
   const auto copy = [&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(service::make_private_folder(partial));
+    ROOMWISE_RETURN_IF_ERROR(service::make_private_folder(partial));
     const fs::path target = partial / file.filename();
-    ROOMWISE_CHECK_OK(copy_home(home, target, backup));
-    ROOMWISE_CHECK_OK(copy_beside(file, target, options.with_walks, backup));
-    ROOMWISE_CHECK_OK(flush(partial));
+    ROOMWISE_RETURN_IF_ERROR(copy_home(home, target, backup));
+    ROOMWISE_RETURN_IF_ERROR(copy_beside(file, target, options.with_walks, backup));
+    ROOMWISE_RETURN_IF_ERROR(flush(partial));
     return put_in_place(partial, folder);
   };
   const Expected<void> copied = copy();
@@ -144,25 +144,25 @@ Expected<Backup> back_up(const home::Home& home, const fs::path& folder,
 
 Expected<Backup> restore(const fs::path& folder, const fs::path& home) {
   ROOMWISE_TRY(const fs::path source, home_in(folder));
-  ROOMWISE_CHECK_OK(check_free(home));
+  ROOMWISE_RETURN_IF_ERROR(check_free(home));
   ROOMWISE_TRY(const home::Home backed_up, home::Home::open_read_only(source));
   Backup backup;
   const fs::path partial = home.string() + ".restored";
   // The home comes last: until it is there, nothing looks at what lies beside it.
   const auto remove_partial = [&]() -> Expected<void> {
     for (const std::string_view ending : kBeside)
-      ROOMWISE_CHECK_OK(remove_folder(beside(partial, ending)));
+      ROOMWISE_RETURN_IF_ERROR(remove_folder(beside(partial, ending)));
     return remove_folder(partial);
   };
   const auto copy = [&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(remove_partial());  // of a restoring that was stopped
-    ROOMWISE_CHECK_OK(copy_home(backed_up, partial, backup));
-    ROOMWISE_CHECK_OK(copy_beside(source, partial, true, backup));
+    ROOMWISE_RETURN_IF_ERROR(remove_partial());  // of a restoring that was stopped
+    ROOMWISE_RETURN_IF_ERROR(copy_home(backed_up, partial, backup));
+    ROOMWISE_RETURN_IF_ERROR(copy_beside(source, partial, true, backup));
     for (const std::string_view ending : kBeside) {
       if (fs::exists(beside(partial, ending)))
-        ROOMWISE_CHECK_OK(put_in_place(beside(partial, ending), beside(home, ending)));
+        ROOMWISE_RETURN_IF_ERROR(put_in_place(beside(partial, ending), beside(home, ending)));
     }
-    ROOMWISE_CHECK_OK(flush(fs::absolute(home).parent_path()));
+    ROOMWISE_RETURN_IF_ERROR(flush(fs::absolute(home).parent_path()));
     return put_in_place(partial, home);
   };
   const Expected<void> copied = copy();

@@ -15,15 +15,15 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMaxLensesOfDevice = 8;
 
-Json to_json(const motion::LensEstimate& lens) {
+Json to_json(const motion::IntrinsicsEstimate& lens) {
   const Eigen::Matrix2d& information = lens.information;
   return {{"log_focal", lens.mean[0]},
           {"k1", lens.mean[1]},
           {"information", {information(0, 0), information(0, 1), information(1, 1)}}};
 }
 
-motion::LensEstimate lens_of(const Json& json) {
-  motion::LensEstimate lens;
+motion::IntrinsicsEstimate lens_of(const Json& json) {
+  motion::IntrinsicsEstimate lens;
   lens.mean << json.at("log_focal").get<double>(), json.at("k1").get<double>();
   const auto information = json.at("information").get<std::array<double, 3>>();
   lens.information << information[0], information[1], information[1], information[2];
@@ -57,7 +57,7 @@ std::vector<geometry::RigidTransform> views_of(const Json& lens) {
   return views;
 }
 
-bool is_usable(const motion::LensEstimate& lens) {
+bool is_usable(const motion::IntrinsicsEstimate& lens) {
   return std::abs(lens.mean[0]) < 3 && std::abs(lens.mean[1]) < 3 && lens.information.allFinite() &&
          lens.information(0, 0) > 0 && lens.information.determinant() > 0;
 }
@@ -69,7 +69,7 @@ Expected<std::unique_ptr<LensMemory>> LensMemory::open(std::filesystem::path fil
   std::error_code ignored;
   if (!std::filesystem::exists(memory->file_, ignored)) return memory;
   if (const auto read = memory->read(); !read) {
-    ROOMWISE_CHECK_OK(memory->set_file_aside(read.error()));
+    ROOMWISE_RETURN_IF_ERROR(memory->set_file_aside(read.error()));
   }
   return memory;
 }
@@ -98,7 +98,7 @@ Expected<void> LensMemory::read() {
   try {
     const Json json = Json::parse(text);
     for (const Json& one : json.at("lenses")) {
-      const motion::LensEstimate lens = lens_of(one);
+      const motion::IntrinsicsEstimate lens = lens_of(one);
       std::vector<geometry::RigidTransform> views = views_of(one);
       if (!is_usable(lens) || !std::ranges::all_of(views, is_usable_view)) {
         return damaged("a lens has numbers that cannot be");
@@ -150,7 +150,7 @@ Expected<void> LensMemory::save() {
     }
     json["lenses"].push_back(std::move(lens));
   }
-  ROOMWISE_CHECK_OK(write_file(file_, json.dump()));
+  ROOMWISE_RETURN_IF_ERROR(write_file(file_, json.dump()));
   saved_ = learned_;
   return {};
 }

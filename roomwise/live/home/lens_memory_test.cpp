@@ -13,7 +13,7 @@ namespace roomwise::live {
 namespace {
 
 mapping::LensCalibration lens(double focal) {
-  motion::LensEstimate lens = motion::LensEstimate::of_phones();
+  motion::IntrinsicsEstimate lens = motion::IntrinsicsEstimate::typical_of_phones();
   lens.mean << std::log(focal), -0.02;
   lens.information << 4000, 30, 30, 900;
   return mapping::LensCalibration(lens);
@@ -35,7 +35,8 @@ class LensMemoryTest : public ::testing::Test {
 
 TEST_F(LensMemoryTest, KnowsNothingOfANewDevice) {
   const auto memory = open();
-  EXPECT_EQ(memory->recall(1, "back").known().mean, motion::LensEstimate::of_phones().mean);
+  EXPECT_EQ(memory->recall(1, "back").known().mean,
+            motion::IntrinsicsEstimate::typical_of_phones().mean);
   ASSERT_OK(memory->save());
   EXPECT_FALSE(std::filesystem::exists(file_)) << "nothing was learned";
 }
@@ -52,7 +53,8 @@ TEST_F(LensMemoryTest, KeepsWhatWasLearnedOfEachLensOverARestart) {
   EXPECT_EQ(after->recall(1, "back").known().information, lens(0.81).known().information);
   EXPECT_EQ(after->recall(1, "wide").known().mean, lens(0.4).known().mean);
   EXPECT_EQ(after->recall(2, "back").known().mean, lens(0.7).known().mean);
-  EXPECT_EQ(after->recall(2, "wide").known().mean, motion::LensEstimate::of_phones().mean);
+  EXPECT_EQ(after->recall(2, "wide").known().mean,
+            motion::IntrinsicsEstimate::typical_of_phones().mean);
 }
 
 TEST_F(LensMemoryTest, ADeviceThatNamesEverNewLensesFillsNothing) {
@@ -66,7 +68,8 @@ TEST_F(LensMemoryTest, ADeviceThatNamesEverNewLensesFillsNothing) {
   }
   EXPECT_NEAR(focal(memory->recall(1, "lens 99")), 0.599, 1e-9);
   EXPECT_NEAR(focal(memory->recall(1, "lens 92")), 0.592, 1e-9);
-  EXPECT_EQ(memory->recall(1, "lens 91").known().mean, motion::LensEstimate::of_phones().mean);
+  EXPECT_EQ(memory->recall(1, "lens 91").known().mean,
+            motion::IntrinsicsEstimate::typical_of_phones().mean);
   EXPECT_NEAR(focal(memory->recall(2, "back")), 0.7, 1e-9);
 }
 
@@ -76,7 +79,8 @@ TEST_F(LensMemoryTest, ForgetsAllAndTheFile) {
   ASSERT_OK(memory->save());
   ASSERT_OK(memory->forget());
   EXPECT_FALSE(std::filesystem::exists(file_));
-  EXPECT_EQ(memory->recall(1, "back").known().mean, motion::LensEstimate::of_phones().mean);
+  EXPECT_EQ(memory->recall(1, "back").known().mean,
+            motion::IntrinsicsEstimate::typical_of_phones().mean);
 }
 
 // A quarter turn and a metre between views.
@@ -130,7 +134,8 @@ TEST_F(LensMemoryTest, SetsADamagedFileAsideAndGoesOn) {
                 ::testing::AllOf(::testing::HasSubstr("a.home.lenses.json: is damaged: "),
                                  ::testing::HasSubstr("it is now "),
                                  ::testing::HasSubstr("lenses are learned anew")));
-    EXPECT_EQ(memory->recall(1, "a").known().mean, motion::LensEstimate::of_phones().mean)
+    EXPECT_EQ(memory->recall(1, "a").known().mean,
+              motion::IntrinsicsEstimate::typical_of_phones().mean)
         << "nothing of it is believed";
     EXPECT_FALSE(std::filesystem::exists(file_));
     EXPECT_EQ(read_text_file(file_.string() + ".damaged").value(), text);

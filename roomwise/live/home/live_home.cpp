@@ -90,9 +90,9 @@ Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
   {
     const std::scoped_lock lock(live->home_mutex_);
     live->erase_what_waits();
-    ROOMWISE_CHECK_OK(live->refresh(nullptr));
+    ROOMWISE_RETURN_IF_ERROR(live->refresh(nullptr));
   }
-  ROOMWISE_CHECK_OK(live->check_networks());
+  ROOMWISE_RETURN_IF_ERROR(live->check_networks());
   live->jobs_ = std::make_unique<Jobs>(
       [raw = live.get()](const service::JobState& state) { raw->tell_helpers(state); },
       [raw = live.get()](const JobNews& news) { raw->meters_.on_job(news); });
@@ -102,7 +102,7 @@ Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
       });
 
   ROOMWISE_TRY(const auto waiting, live->waiting_walk());
-  ROOMWISE_CHECK_OK(waiting ? live->start_mapping_what_waits() : live->go_on_preparing());
+  ROOMWISE_RETURN_IF_ERROR(waiting ? live->start_mapping_what_waits() : live->go_on_preparing());
   return live;
 }
 
@@ -319,7 +319,8 @@ Expected<rooms::RoomDecision> LiveHome::test_picture(const Bytes& picture) const
 // ---- the view ----
 
 Expected<void> LiveHome::refresh(std::shared_ptr<const LiveMap> map) {
-  ROOMWISE_CHECK_OK(pipeline::keep_home_history(home_));  // else each view would follow things anew
+  ROOMWISE_RETURN_IF_ERROR(
+      pipeline::keep_home_history(home_));  // else each view would follow things anew
   ROOMWISE_TRY(auto watch, own_thing_watch());
   ROOMWISE_TRY(auto view, view_home(home_, networks_, std::move(map), std::move(watch)));
   {
@@ -337,7 +338,7 @@ Expected<void> LiveHome::change(const std::function<Expected<void>(home::Home&)>
   const std::unique_lock lock(home_mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return fail("the computer is busy; wait until it is done, or stop it");
   store_own_sightings(std::numeric_limits<std::int64_t>::max());  // rooms may be called otherwise
-  ROOMWISE_CHECK_OK(watched("a change", change(home_)));
+  ROOMWISE_RETURN_IF_ERROR(watched("a change", change(home_)));
   make_up_for_erasing(home_);
   return refresh(view()->map);
 }

@@ -53,10 +53,10 @@ Expected<void> LiveHome::change_room(const std::string& name,
       const auto room = std::ranges::find(rooms, name, &rooms::Room::name);
       if (room == rooms.end()) return fail("this home has no room '{}'", name);
       if (new_type && *new_type != room->type) {
-        ROOMWISE_CHECK_OK(pipeline::set_room_type(home, author(by), name, *new_type));
+        ROOMWISE_RETURN_IF_ERROR(pipeline::set_room_type(home, author(by), name, *new_type));
       }
       if (!new_name || *new_name == name) return {};
-      ROOMWISE_CHECK_OK(pipeline::rename_room(home, author(by), name, *new_name));
+      ROOMWISE_RETURN_IF_ERROR(pipeline::rename_room(home, author(by), name, *new_name));
       return photos_->rename(name, *new_name);
     });
   });
@@ -64,7 +64,7 @@ Expected<void> LiveHome::change_room(const std::string& name,
 
 Expected<home::EditId> LiveHome::edit(const std::string& by, const Edit& work) {
   home::EditId id = 0;
-  ROOMWISE_CHECK_OK(change([&](home::Home& home) -> Expected<void> {
+  ROOMWISE_RETURN_IF_ERROR(change([&](home::Home& home) -> Expected<void> {
     ROOMWISE_TRY(id, work(home, *view(), author(by)));
     return {};
   }));
@@ -86,10 +86,10 @@ Expected<void> LiveHome::undo(home::EditId id) {
 }
 
 Expected<void> LiveHome::forget_removed() {
-  ROOMWISE_CHECK_OK(photos_->forget_set_aside());
+  ROOMWISE_RETURN_IF_ERROR(photos_->forget_set_aside());
   ROOMWISE_TRY(const bool has_any, pipeline::has_removed_rooms(home_));
-  if (has_any) ROOMWISE_CHECK_OK(pipeline::forget_removed_rooms(home_));
-  ROOMWISE_CHECK_OK(pipeline::forget_taken_walks(home_));
+  if (has_any) ROOMWISE_RETURN_IF_ERROR(pipeline::forget_removed_rooms(home_));
+  ROOMWISE_RETURN_IF_ERROR(pipeline::forget_taken_walks(home_));
   ROOMWISE_TRY(const bool owes_erasing, home_.owes_erasing());
   return owes_erasing ? erase_removed(home_) : Expected<void>();
 }
@@ -101,7 +101,8 @@ Expected<void> LiveHome::erase_now() {
     recognitions_.clear();  // their pictures may show it
     const Expected<void> done = watched("erasing", forget_removed());
     const bool has_taken_walks = !view()->walks_taken_away().empty();
-    ROOMWISE_CHECK_OK(refresh(has_taken_walks ? nullptr : view()->map));  // the map was made of it
+    ROOMWISE_RETURN_IF_ERROR(
+        refresh(has_taken_walks ? nullptr : view()->map));  // the map was made of it
     return done;
   });
 }
@@ -144,7 +145,7 @@ Expected<void> LiveHome::forget_room(const std::string& name, const std::string&
     recognitions_.clear();  // their pictures may show it
     return change([&](home::Home& home) {
       return home.atomically([&]() -> Expected<void> {
-        ROOMWISE_CHECK_OK(pipeline::remove_room(home, author(by), name));
+        ROOMWISE_RETURN_IF_ERROR(pipeline::remove_room(home, author(by), name));
         return photos_->set_aside(name);
       });
     });
@@ -153,7 +154,7 @@ Expected<void> LiveHome::forget_room(const std::string& name, const std::string&
 
 Expected<void> LiveHome::rename_thing(std::int64_t id, const std::string& name,
                                       const std::string& by) {
-  ROOMWISE_CHECK_OK(pipeline::validate_spoken_name(name));
+  ROOMWISE_RETURN_IF_ERROR(pipeline::validate_spoken_name(name));
   return change([&](home::Home& home) -> Expected<void> {
     ROOMWISE_TRY(const pipeline::HomeThing thing, find_thing(home, id));
     if (thing.name == name && thing.is_confirmed) return {};
@@ -180,15 +181,15 @@ Expected<void> LiveHome::erase_walk(home::RecordingId walk) {
     ROOMWISE_TRY(const auto edits, pipeline::stored_edits(home));
     if (!pipeline::walks_taken_away(edits).contains(walk)) {
       // Whoever is killed from here on goes on with it when the home is opened next.
-      ROOMWISE_CHECK_OK(pipeline::take_walk_away(home, author({}), walk));
+      ROOMWISE_RETURN_IF_ERROR(pipeline::take_walk_away(home, author({}), walk));
     }
     // Whatever becomes of its bytes in the home: its pictures go, since nobody can ask again.
     const Expected<void> removed = pipeline::remove_walk_folder(home, *found);
-    ROOMWISE_CHECK_OK(pipeline::forget_walk(home, walk));
+    ROOMWISE_RETURN_IF_ERROR(pipeline::forget_walk(home, walk));
     const Expected<void> erased = erase_removed(home);
-    recognitions_.clear();                // before pages hear of it and look again
-    ROOMWISE_CHECK_OK(refresh(nullptr));  // the map was made of it
-    ROOMWISE_CHECK_OK(erased);
+    recognitions_.clear();                       // before pages hear of it and look again
+    ROOMWISE_RETURN_IF_ERROR(refresh(nullptr));  // the map was made of it
+    ROOMWISE_RETURN_IF_ERROR(erased);
     return removed;
   });
 }
@@ -200,20 +201,21 @@ Expected<void> LiveHome::forget_home() {
       const std::scoped_lock lock(home_mutex_);
       return home_.recordings();
     }();
-    ROOMWISE_CHECK_OK(recordings);
-    for (const home::StoredRecording& walk : *recordings) ROOMWISE_CHECK_OK(erase_walk(walk.id));
+    ROOMWISE_RETURN_IF_ERROR(recordings);
+    for (const home::StoredRecording& walk : *recordings)
+      ROOMWISE_RETURN_IF_ERROR(erase_walk(walk.id));
     Expected<void> erased;
-    ROOMWISE_CHECK_OK(change([&](home::Home& home) -> Expected<void> {
-      ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+    ROOMWISE_RETURN_IF_ERROR(change([&](home::Home& home) -> Expected<void> {
+      ROOMWISE_RETURN_IF_ERROR(home.atomically([&]() -> Expected<void> {
         ROOMWISE_TRY(const auto edits, home.edits());
-        for (const home::Edit& edit : edits) ROOMWISE_CHECK_OK(home.remove_edit(edit.id));
+        for (const home::Edit& edit : edits) ROOMWISE_RETURN_IF_ERROR(home.remove_edit(edit.id));
         ROOMWISE_TRY(const auto taught, home.own_things());
-        for (const auto& thing : taught) ROOMWISE_CHECK_OK(home.remove_own_thing(thing.id));
-        ROOMWISE_CHECK_OK(home.forget_learned_rooms());
-        ROOMWISE_CHECK_OK(home.owe_erasing());
-        ROOMWISE_CHECK_OK(home.replace_instances({}));
-        ROOMWISE_CHECK_OK(home.replace_paper_objects({}));
-        ROOMWISE_CHECK_OK(pipeline::store_object_claims(home, {}));
+        for (const auto& thing : taught) ROOMWISE_RETURN_IF_ERROR(home.remove_own_thing(thing.id));
+        ROOMWISE_RETURN_IF_ERROR(home.forget_learned_rooms());
+        ROOMWISE_RETURN_IF_ERROR(home.owe_erasing());
+        ROOMWISE_RETURN_IF_ERROR(home.replace_instances({}));
+        ROOMWISE_RETURN_IF_ERROR(home.replace_paper_objects({}));
+        ROOMWISE_RETURN_IF_ERROR(pipeline::store_object_claims(home, {}));
         return home.replace_rooms({});
       }));
       {
@@ -225,10 +227,10 @@ Expected<void> LiveHome::forget_home() {
       return {};
     }));
     recognitions_.clear();
-    ROOMWISE_CHECK_OK(lenses_->forget());
-    ROOMWISE_CHECK_OK(uploads_->remove_all());
-    ROOMWISE_CHECK_OK(photos_->remove_all());
-    ROOMWISE_CHECK_OK(remove_folder(walks_folder()));
+    ROOMWISE_RETURN_IF_ERROR(lenses_->forget());
+    ROOMWISE_RETURN_IF_ERROR(uploads_->remove_all());
+    ROOMWISE_RETURN_IF_ERROR(photos_->remove_all());
+    ROOMWISE_RETURN_IF_ERROR(remove_folder(walks_folder()));
     return erased;
   });
 }

@@ -35,7 +35,7 @@ Expected<std::shared_ptr<const pipeline::RoomCoverage>> LiveHome::coverage() {
   options.without = now->walks_taken_away();
   auto found =
       watched("what is missing", pipeline::find_room_coverage(reader, options, run, tones_));
-  ROOMWISE_CHECK_OK(found);
+  ROOMWISE_RETURN_IF_ERROR(found);
   coverage_ = std::make_shared<const pipeline::RoomCoverage>(*std::move(found));
   covered_ = now;
   return coverage_;

@@ -121,11 +121,11 @@ Expected<std::shared_ptr<const LiveMap>> LiveHome::make_map_ready(Progress& prog
   ROOMWISE_TRY(const home::Home reader, home::Home::open_read_only(file_, options_.open));
   ROOMWISE_TRY(std::shared_ptr<const LiveMap> map, make_live_map(reader, run));
   const std::scoped_lock lock(home_mutex_);
-  ROOMWISE_CHECK_OK(pipeline::keep_home_floor(home_, {map->frame, map->floor}));
+  ROOMWISE_RETURN_IF_ERROR(pipeline::keep_home_floor(home_, {map->frame, map->floor}));
   // One that lacks pictures is not kept: perhaps they can be read the next time.
   if (map->localizer->new_index() && lost_pictures_->all().empty())
-    ROOMWISE_CHECK_OK(home_.put_derived_data(*map->localizer->new_index()));
-  ROOMWISE_CHECK_OK(refresh(map));
+    ROOMWISE_RETURN_IF_ERROR(home_.put_derived_data(*map->localizer->new_index()));
+  ROOMWISE_RETURN_IF_ERROR(refresh(map));
   return map;
 }
 
@@ -135,11 +135,11 @@ Expected<JobEnd> LiveHome::fuse_clouds(const LiveMap& ready, Progress& progress)
   ROOMWISE_TRY(const home::Home reader, home::Home::open_read_only(file_, options_.open));
   ROOMWISE_TRY(auto map, with_clouds(ready, reader, run));
   const std::scoped_lock lock(home_mutex_);
-  ROOMWISE_CHECK_OK(refresh(std::move(map)));
+  ROOMWISE_RETURN_IF_ERROR(refresh(std::move(map)));
   // A new walk may show what was taught.
   const bool is_looked_for = view()->own_things.empty() || view()->own_thing_watch != nullptr;
   if (!is_looked_for) {
-    ROOMWISE_CHECK_OK(look_for_own_things(progress, lost_pictures_).map([](bool) {}));
+    ROOMWISE_RETURN_IF_ERROR(look_for_own_things(progress, lost_pictures_).map([](bool) {}));
   }
   return JobEnd{"places can be found on the map now", "prepared"};
 }
@@ -193,7 +193,7 @@ Expected<JobEnd> LiveHome::learn_now(Progress& progress) {
   ROOMWISE_TRY(const auto report,
                has_walk ? pipeline::learn_rooms_from_keyframes(home_, {}, learning, networks_, run)
                         : learn_from_photos());
-  ROOMWISE_CHECK_OK(refresh(view()->map));
+  ROOMWISE_RETURN_IF_ERROR(refresh(view()->map));
   const auto right =
       std::llround(report.held_out_precision() * static_cast<double>(report.held_out));
   return JobEnd{
@@ -207,7 +207,7 @@ Expected<JobEnd> LiveHome::learn_now(Progress& progress) {
 }
 
 Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string& name) {
-  ROOMWISE_CHECK_OK(recording::validate_room_name(name));
+  ROOMWISE_RETURN_IF_ERROR(recording::validate_room_name(name));
   if (name.find_first_of("/\\") != std::string::npos || name.starts_with('.')) {
     return fail("'{}' is no name for a recording: it must not hold '/' or begin with '.'", name);
   }
@@ -221,8 +221,8 @@ Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string&
   });
   if (found == connected.end()) return fail("device {} is not connected with a camera", device);
   std::shared_ptr<WalkRecorder> recorder;
-  ROOMWISE_CHECK_OK(instead_of_preparing([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(check_idle());
+  ROOMWISE_RETURN_IF_ERROR(instead_of_preparing([&]() -> Expected<void> {
+    ROOMWISE_RETURN_IF_ERROR(check_idle());
     const std::scoped_lock lock(devices_mutex_);
     if (recorder_) return fail("'{}' is being recorded; stop it first", recorder_->name());
     ROOMWISE_TRY(recorder, WalkRecorder::begin(walks_folder() / name, *camera, unix_now_ns()));
@@ -252,7 +252,7 @@ Expected<void> LiveHome::end_recording() {
   tell_of_recording(
       recorded, service::RecordingState{recorded, closed ? "saved" : "failed", recorder->name(),
                                         recorder->frames(), closed ? "" : closed.error().message});
-  ROOMWISE_CHECK_OK(closed);
+  ROOMWISE_RETURN_IF_ERROR(closed);
   const bool is_being_mapped = jobs_->running() && jobs_->state()->kind == "map";
   return is_being_mapped ? Expected<void>() : start_mapping(recorder->folder());
 }
@@ -279,7 +279,7 @@ Expected<void> LiveHome::start_mapping_what_waits() {
 
 Expected<void> LiveHome::go_on_mapping() {
   return instead_of_preparing([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(check_idle());
+    ROOMWISE_RETURN_IF_ERROR(check_idle());
     ROOMWISE_TRY(const auto waiting, waiting_walk());
     return waiting ? start_mapping_what_waits() : fail("no walk waits to be mapped");
   });
@@ -329,7 +329,8 @@ Expected<JobEnd> LiveHome::map(const fs::path& folder, recording::FrameSource& w
                                     walk.info().frames_remaining};
     auto mapped =
         pipeline::map_recording(frames, recording, home_, networks_, settings, run, finders_);
-    if (!mapped || !mapped->finished) ROOMWISE_CHECK_OK(refresh(nullptr));  // it may be forgotten
+    if (!mapped || !mapped->finished)
+      ROOMWISE_RETURN_IF_ERROR(refresh(nullptr));  // it may be forgotten
     ROOMWISE_TRY(summary, std::move(mapped));
     for (const std::string& why : summary.unread) meters_.failed("comparing walks", Error{why});
     if (!summary.finished) {
@@ -339,11 +340,11 @@ Expected<JobEnd> LiveHome::map(const fs::path& folder, recording::FrameSource& w
     if (fs::exists(folder / "rooms.txt")) {
       ROOMWISE_TRY(const auto labels, recording::RoomLabels::read(folder / "rooms.txt"));
       ROOMWISE_TRY(const auto recordings, home_.recordings());
-      ROOMWISE_CHECK_OK(pipeline::name_rooms(home_, recordings.back().id, labels));
+      ROOMWISE_RETURN_IF_ERROR(pipeline::name_rooms(home_, recordings.back().id, labels));
     }
-    ROOMWISE_CHECK_OK(refresh(nullptr));
+    ROOMWISE_RETURN_IF_ERROR(refresh(nullptr));
   }
-  ROOMWISE_CHECK_OK(prepare(progress));
+  ROOMWISE_RETURN_IF_ERROR(prepare(progress));
   JobEnd end{fmt::format("{} of {} pictures have a place on the map; {} things found",
                          summary.placed, summary.frames, summary.instances),
              "mapped",

@@ -157,8 +157,8 @@ Expected<void> LiveHome::teach(const std::shared_ptr<Device>& device, const std:
                                bool is_private, std::vector<objects::ShownThing> shown) {
   {
     const std::scoped_lock lock(reader_mutex_);
-    ROOMWISE_CHECK_OK(pipeline::check_own_thing_name(reader_, name));
-    ROOMWISE_CHECK_OK(reader_.check_new_name(name));
+    ROOMWISE_RETURN_IF_ERROR(pipeline::check_own_thing_name(reader_, name));
+    ROOMWISE_RETURN_IF_ERROR(reader_.check_new_name(name));
   }
   const home::OwnThing thing{.name = name,
                              .owner = owner_of(device->who()),
@@ -186,7 +186,7 @@ Expected<bool> LiveHome::teach_now(const home::OwnThing& thing,
                                    const std::vector<objects::ShownThing>& shown,
                                    Progress& progress) {
   const std::scoped_lock lock(home_mutex_);
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       pipeline::teach_own_thing(home_, thing, shown, networks_).map([](home::OwnThingId) {}));
   return look_for_own_things(progress);
 }
@@ -198,7 +198,7 @@ Expected<bool> LiveHome::look_for_own_things(Progress& progress,
   run.lost = std::move(lost);
   ROOMWISE_TRY(const pipeline::OwnThingLook look,
                pipeline::look_for_own_things(home_, networks_, finders_.in_pictures, run));
-  ROOMWISE_CHECK_OK(refresh(view()->map));
+  ROOMWISE_RETURN_IF_ERROR(refresh(view()->map));
   return look.is_looked_for;
 }
 
@@ -213,7 +213,7 @@ Expected<void> LiveHome::change_own_thing(const service::Identity& who, const st
     if (what != service::Question::kForgetThing) {
       return home.share_own_thing(thing->id, what == service::Question::kShareThing);
     }
-    ROOMWISE_CHECK_OK(home.remove_own_thing(thing->id));
+    ROOMWISE_RETURN_IF_ERROR(home.remove_own_thing(thing->id));
     {
       const std::scoped_lock lock(view_mutex_);
       own_sightings_.erase(thing->id);
@@ -225,12 +225,12 @@ Expected<void> LiveHome::change_own_thing(const service::Identity& who, const st
     return {};
   };
   if (what != service::Question::kForgetThing) return change(change_it);
-  ROOMWISE_CHECK_OK(while_idle([&] { return change(change_it); }));
+  ROOMWISE_RETURN_IF_ERROR(while_idle([&] { return change(change_it); }));
   // The others are looked for as before; what was usual was worked out with it.
   if (view()->own_things.empty() || jobs_->running()) return {};
   return start_work("teach", [this](Progress& progress) -> Expected<JobEnd> {
     const std::scoped_lock lock(home_mutex_);
-    ROOMWISE_CHECK_OK(look_for_own_things(progress).map([](bool) {}));
+    ROOMWISE_RETURN_IF_ERROR(look_for_own_things(progress).map([](bool) {}));
     return JobEnd{"what is left is looked for as before", "looked_for"};
   });
 }

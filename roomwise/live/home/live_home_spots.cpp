@@ -66,9 +66,9 @@ Expected<void> LiveHome::change_spots(const std::function<Expected<void>(home::H
   const std::scoped_lock one_by_one(changes_mutex_);
   const std::unique_lock lock(home_mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return fail("the computer is busy; wait until it is done, or stop it");
-  ROOMWISE_CHECK_OK(watched("a change", change(home_)));
+  ROOMWISE_RETURN_IF_ERROR(watched("a change", change(home_)));
   auto changed = std::make_shared<HomeView>(*view());
-  ROOMWISE_CHECK_OK(view_spots(home_, *changed));
+  ROOMWISE_RETURN_IF_ERROR(view_spots(home_, *changed));
   {
     const std::scoped_lock view_lock(view_mutex_);
     views_of_devices_.clear();
@@ -96,7 +96,7 @@ Expected<void> LiveHome::change_spot(const service::Identity& who, const std::st
       return fail_with(ErrorCode::kRefused, "'{}' was not marked by this device", name);
     }
     if (new_name) return pipeline::rename_spot(home, spot->id, *new_name);
-    ROOMWISE_CHECK_OK(pipeline::forget_spot(home, spot->id));
+    ROOMWISE_RETURN_IF_ERROR(pipeline::forget_spot(home, spot->id));
     // Whatever becomes of its bytes it is known no more, and that is what was asked.
     if (const auto erased = erase_removed(home); !erased) {
       meters_.failed("erasing a spot", erased.error());

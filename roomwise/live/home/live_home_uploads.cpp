@@ -125,16 +125,16 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
       // An archive of which most could not be read stays: it may be all that there is.
       const bool is_archive = fs::exists(file, error);
       if (!is_archive || is_mostly_whole(path, mapped))
-        ROOMWISE_CHECK_OK(uploads_->remove(upload.id));
+        ROOMWISE_RETURN_IF_ERROR(uploads_->remove(upload.id));
     } else {
       // It waits as it was: nothing of it is kept twice.
-      if (!fs::exists(file, error)) ROOMWISE_CHECK_OK(move_to(path, file));
+      if (!fs::exists(file, error)) ROOMWISE_RETURN_IF_ERROR(move_to(path, file));
       fs::remove_all(path, error);
     }
     return mapped;
   };
   return instead_of_preparing([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(check_idle());
+    ROOMWISE_RETURN_IF_ERROR(check_idle());
     return start_work("map", map);
   });
 }
@@ -158,7 +158,7 @@ Expected<TakenIn> LiveHome::take_in(const Upload& upload, const fs::path& unpack
   if (recording::find_recording_kind(file) != nullptr) {
     const fs::path path =
         unused_path(walks_folder(), name, fs::path(upload.name).extension().string());
-    ROOMWISE_CHECK_OK(move_to(file, path));
+    ROOMWISE_RETURN_IF_ERROR(move_to(file, path));
     return TakenIn{path, {}};
   }
   if (!recording::is_zip_file(file)) {
@@ -167,7 +167,7 @@ Expected<TakenIn> LiveHome::take_in(const Upload& upload, const fs::path& unpack
         fmt::format("'{}' is neither a zip archive nor a recording that is read", upload.name));
   }
   recording::UnpackLimits limits;
-  ROOMWISE_TRY(limits.max_bytes, uploads_->room_bytes());
+  ROOMWISE_TRY(limits.max_bytes, uploads_->writable_bytes());
   if (limits.max_bytes == 0) {
     return fail_with(ErrorCode::kDiskFull,
                      "the computer's disk has no room to unpack '{}'; free some space",
@@ -182,10 +182,10 @@ Expected<TakenIn> LiveHome::take_in(const Upload& upload, const fs::path& unpack
   if (inside.refused) return inside;
   const fs::path& found = inside.path;
   // Where somebody lives, and with what they recorded it, is not kept.
-  if (fs::is_directory(found)) ROOMWISE_CHECK_OK(recording::leave_out_personal_data(found));
+  if (fs::is_directory(found)) ROOMWISE_RETURN_IF_ERROR(recording::leave_out_personal_data(found));
   const fs::path path = unused_path(
       walks_folder(), name, fs::is_directory(found) ? std::string() : found.extension().string());
-  ROOMWISE_CHECK_OK(move_to(found, path));
+  ROOMWISE_RETURN_IF_ERROR(move_to(found, path));
   return TakenIn{path, {}};
 }
 

@@ -62,7 +62,7 @@ Expected<FrameImages> images_of(const CameraFrame& frame, const service::DeviceC
   const std::int64_t max_pixels = 2 * std::int64_t{from.width} * from.height;
   FrameImages images;
   ROOMWISE_TRY(images.color, image::decode_color(frame.color, max_pixels));
-  ROOMWISE_CHECK_OK(check_size("picture", images.color, from.width, from.height));
+  ROOMWISE_RETURN_IF_ERROR(check_size("picture", images.color, from.width, from.height));
   const bool is_same = are_as_good_as_same(from, to);
   if (!is_same) {
     images.color = recording::as_seen_by(images.color, from, to);
@@ -73,7 +73,7 @@ Expected<FrameImages> images_of(const CameraFrame& frame, const service::DeviceC
   ROOMWISE_TRY(image::DepthImage depth, image::decode_depth(frame.depth, max_pixels));
   const service::ImageSize size =
       frame.depth_size.value_or(service::ImageSize{from.width, from.height});
-  ROOMWISE_CHECK_OK(check_size("depth image", depth, size.width, size.height));
+  ROOMWISE_RETURN_IF_ERROR(check_size("depth image", depth, size.width, size.height));
   images.depth_is_as_sent = is_same && size == service::ImageSize{to.width, to.height};
   images.depth =
       images.depth_is_as_sent

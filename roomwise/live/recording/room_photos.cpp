@@ -65,7 +65,7 @@ RoomPhotos::RoomPhotos(fs::path folder, PhotoLimits limits)
 
 // With the lock held.
 Expected<void> RoomPhotos::check_room_for(std::uint64_t bytes) {
-  ROOMWISE_CHECK_OK(limits_.validate());
+  ROOMWISE_RETURN_IF_ERROR(limits_.validate());
   constexpr std::uint64_t kMegabyte = 1'000'000;
   if (!taken_bytes_) taken_bytes_ = bytes_in(folder_);
   if (*taken_bytes_ + bytes > limits_.max_bytes) {
@@ -145,7 +145,7 @@ Expected<void> RoomPhotos::check_can_join(const std::string& kept,
 }
 
 Expected<std::size_t> RoomPhotos::add(const std::string& room, std::span<const std::uint8_t> sent) {
-  ROOMWISE_CHECK_OK(recording::validate_room_name(room));
+  ROOMWISE_RETURN_IF_ERROR(recording::validate_room_name(room));
   ROOMWISE_TRY(const image::ColorImage color, image::decode_color(sent, kMaxPhotoPixels));
   const auto bare = image::without_metadata(sent);
   const Bytes picture = bare ? *bare : image::encode_png(color);
@@ -168,13 +168,13 @@ Expected<std::size_t> RoomPhotos::add(const std::string& room, std::span<const s
   const fs::path file = folder / (digest_of(picture) + ending_of(picture));
   std::error_code error;
   if (fs::exists(file, error)) return of_room;
-  ROOMWISE_CHECK_OK(check_room_for(picture.size()));
+  ROOMWISE_RETURN_IF_ERROR(check_room_for(picture.size()));
   fs::create_directories(folder, error);
   if (error) return fail("{}: cannot be made: {}", folder.string(), error.message());
   fs::permissions(folder_, fs::perms::owner_all, error);  // pictures of a home
   const std::uint64_t taken = *std::exchange(taken_bytes_, std::nullopt);
-  ROOMWISE_CHECK_OK(write_file(folder / kNameFile, room));
-  ROOMWISE_CHECK_OK(write_file(file, picture));
+  ROOMWISE_RETURN_IF_ERROR(write_file(folder / kNameFile, room));
+  ROOMWISE_RETURN_IF_ERROR(write_file(file, picture));
   taken_bytes_ = taken + picture.size() + (of_room == 0 ? room.size() : 0);
   return of_room + 1;
 }
@@ -241,7 +241,8 @@ Expected<void> RoomPhotos::bring_back(const std::string& room) {
 Expected<void> RoomPhotos::forget_set_aside() {
   const std::scoped_lock lock(mutex_);
   taken_bytes_.reset();
-  for (const fs::path& folder : folders_set_aside()) ROOMWISE_CHECK_OK(remove_folder(folder));
+  for (const fs::path& folder : folders_set_aside())
+    ROOMWISE_RETURN_IF_ERROR(remove_folder(folder));
   return {};
 }
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "roomwise/live/recording/disk_room.h"
+#include "roomwise/live/recording/free_disk_bytes.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 
 namespace roomwise::live {
@@ -17,7 +17,7 @@ namespace roomwise::live {
 struct PhotoLimits {
   std::uint64_t max_bytes = std::uint64_t{4} << 30U;      // of all, those set aside among them
   std::uint64_t reserve_bytes = std::uint64_t{1} << 30U;  // of the disk, that stay free
-  FreeBytes free_bytes = {};                              // none: free_bytes_at()
+  FreeBytesQuery free_bytes = {};                         // none: free_bytes_at()
 
   [[nodiscard]] Expected<void> validate() const;
 };

@@ -60,7 +60,7 @@ Expected<void> UploadLimits::validate() const {
 }
 
 Expected<Uploads> Uploads::open(fs::path folder, UploadLimits limits) {
-  ROOMWISE_CHECK_OK(limits.validate());
+  ROOMWISE_RETURN_IF_ERROR(limits.validate());
   if (!limits.free_bytes) limits.free_bytes = free_bytes_at;
   return Uploads(std::move(folder), std::move(limits));
 }
@@ -69,27 +69,27 @@ fs::path Uploads::file_of(const std::string& id) const {
   return folder_ / (id + ".part");
 }
 
-fs::path Uploads::facts_of(const std::string& id) const {
+fs::path Uploads::metadata_path(const std::string& id) const {
   return folder_ / (id + ".json");
 }
 
-Expected<std::uint64_t> Uploads::room_bytes() const {
+Expected<std::uint64_t> Uploads::writable_bytes() const {
   ROOMWISE_TRY(const std::uint64_t free, limits_.free_bytes(folder_));
   return free > limits_.reserve_bytes ? free - limits_.reserve_bytes : 0;
 }
 
 Expected<Upload> Uploads::read(const std::string& id) const {
   std::error_code error;
-  if (!is_id(id) || !fs::exists(facts_of(id), error)) {
+  if (!is_id(id) || !fs::exists(metadata_path(id), error)) {
     return fail("there is no upload '{}'; begin it anew", id);
   }
-  ROOMWISE_TRY(const std::string text, read_text_file(facts_of(id)));
+  ROOMWISE_TRY(const std::string text, read_text_file(metadata_path(id)));
   ROOMWISE_TRY(const service::OrderedJson json, service::parse_object(text, kMaxFactsBytes));
   service::Members members(json);
   Upload upload{id, members.text("name"),
                 static_cast<std::uint64_t>(members.whole("bytes", 1, service::kMaxWhole)), 0};
   if (members.error())
-    return Unexpected(Error(*members.error()).with_context(facts_of(id).string()));
+    return Unexpected(Error(*members.error()).with_context(metadata_path(id).string()));
   const auto there = fs::file_size(file_of(id), error);
   if (!error) upload.offset = std::min<std::uint64_t>(there, upload.bytes);
   return upload;
@@ -140,7 +140,7 @@ Expected<Upload> Uploads::begin(const std::string& name, std::uint64_t bytes,
   if (all.size() >= limits_.max_uploads) {
     return fail("{} files wait already; map or remove one of them first", all.size());
   }
-  ROOMWISE_TRY(const std::uint64_t room, room_bytes());
+  ROOMWISE_TRY(const std::uint64_t room, writable_bytes());
   if (still_to_come > room) {
     return fail(
         "the computer's disk has room for {} MB more, and {} MB are to come; free some space",
@@ -151,8 +151,8 @@ Expected<Upload> Uploads::begin(const std::string& name, std::uint64_t bytes,
   if (error) return fail("{}: cannot be made: {}", folder_.string(), error.message());
   fs::permissions(folder_, fs::perms::owner_all, error);  // pictures of a home
   fs::remove(file_of(id), error);
-  ROOMWISE_CHECK_OK(
-      write_file(facts_of(id), service::dump({{"name", name}, {"bytes", bytes}}) + "\n"));
+  ROOMWISE_RETURN_IF_ERROR(
+      write_file(metadata_path(id), service::dump({{"name", name}, {"bytes", bytes}}) + "\n"));
   return read(id);
 }
 
@@ -169,7 +169,7 @@ Expected<Upload> Uploads::put(const std::string& id, std::uint64_t offset,
                 upload.bytes);
   }
   const std::uint64_t known = upload.offset - offset;
-  if (known < chunk.size()) ROOMWISE_CHECK_OK(append_to(file_of(id), chunk.subspan(known)));
+  if (known < chunk.size()) ROOMWISE_RETURN_IF_ERROR(append_to(file_of(id), chunk.subspan(known)));
   return read(id);
 }
 
@@ -178,8 +178,9 @@ Expected<void> Uploads::remove(const std::string& id) {
   if (!is_id(id)) return fail("there is no upload '{}'", id);
   std::error_code error;
   fs::remove(file_of(id), error);
-  if (!error) fs::remove(facts_of(id), error);
-  if (error) return fail("{}: could not be removed: {}", facts_of(id).string(), error.message());
+  if (!error) fs::remove(metadata_path(id), error);
+  if (error)
+    return fail("{}: could not be removed: {}", metadata_path(id).string(), error.message());
   return {};
 }
 

@@ -11,7 +11,7 @@
 
 #include "roomwise/base/expected.h"
 #include "roomwise/base/file.h"
-#include "roomwise/live/recording/disk_room.h"
+#include "roomwise/live/recording/free_disk_bytes.h"
 
 namespace roomwise::live {
 
@@ -20,7 +20,7 @@ struct UploadLimits {
   std::size_t max_uploads = 4;                            // that wait at once, complete or not
   std::uint64_t reserve_bytes = std::uint64_t{1} << 30U;  // of the disk, that stay free
   // How many bytes are free where a file lies.
-  FreeBytes free_bytes = {};  // none: free_bytes_at()
+  FreeBytesQuery free_bytes = {};  // none: free_bytes_at()
 
   [[nodiscard]] Expected<void> validate() const;
 };
@@ -68,12 +68,12 @@ class Uploads {
   // The bytes.
   [[nodiscard]] std::filesystem::path file_of(const std::string& id) const;
   // That may still be written, with the reserve left free.
-  [[nodiscard]] Expected<std::uint64_t> room_bytes() const;
+  [[nodiscard]] Expected<std::uint64_t> writable_bytes() const;
 
  private:
   Uploads(std::filesystem::path folder, UploadLimits limits)
       : folder_(std::move(folder)), limits_(std::move(limits)) {}
-  [[nodiscard]] std::filesystem::path facts_of(const std::string& id) const;
+  [[nodiscard]] std::filesystem::path metadata_path(const std::string& id) const;
   // With the lock held.
   [[nodiscard]] Expected<Upload> read(const std::string& id) const;
   [[nodiscard]] Expected<std::vector<Upload>> read_all() const;

@@ -52,7 +52,7 @@ Expected<void> WalkRecorder::store(const CameraFrame& frame) {
     rgbd.device_motion = frame.pose->motion;
     covariance = frame.pose->covariance;
   }
-  ROOMWISE_CHECK_OK(writer_->write(rgbd, covariance));
+  ROOMWISE_RETURN_IF_ERROR(writer_->write(rgbd, covariance));
   if (!first_t_ms_) first_t_ms_ = frame.t_ms;
   last_t_ms_ = frame.t_ms;
   last_came_ = std::chrono::steady_clock::now();
@@ -67,7 +67,7 @@ void WalkRecorder::device_came_anew() {
 
 Expected<void> WalkRecorder::name_room(const std::string& room) {
   const std::scoped_lock lock(mutex_);
-  ROOMWISE_CHECK_OK(recording::validate_room_name(room));
+  ROOMWISE_RETURN_IF_ERROR(recording::validate_room_name(room));
   return writer_->name_room(room);
 }
 

@@ -138,7 +138,7 @@ Outcome remove_thing(const Asked& asked) {
 Outcome join_rooms(const Asked& asked) {
   ROOMWISE_TRY(const std::string kept, asked_text(asked, "room"));
   ROOMWISE_TRY(const std::string joined, asked_text(asked, "other_room"));
-  ROOMWISE_CHECK_OK(asked.photos.check_can_join(kept, joined));
+  ROOMWISE_RETURN_IF_ERROR(asked.photos.check_can_join(kept, joined));
   return pipeline::join_rooms(asked.home, asked.author, kept, joined);
 }
 

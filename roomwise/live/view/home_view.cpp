@@ -359,7 +359,7 @@ Expected<std::shared_ptr<const HomeView>> view_home(
   for (const auto& [type, objects] : view.concepts.objects_of_room_type) {
     view.room_types.push_back(type);
   }
-  ROOMWISE_CHECK_OK(view_walks(home, view));
+  ROOMWISE_RETURN_IF_ERROR(view_walks(home, view));
   const bool has_names = std::ranges::any_of(
       view.walks, [](const ViewedWalk& walk) { return !walk.labels.ranges().empty(); });
   if (view.map && view.map->floor && has_names) {
@@ -368,11 +368,11 @@ Expected<std::shared_ptr<const HomeView>> view_home(
   }
   ROOMWISE_TRY(const pipeline::HomeThings things, pipeline::find_home_things(home));
   ROOMWISE_TRY(const pipeline::HomeHistory history, pipeline::find_home_history(home, things));
-  ROOMWISE_CHECK_OK(view_things(home, things, history, view));
-  ROOMWISE_CHECK_OK(view_own_things(home, view));
-  ROOMWISE_CHECK_OK(view_spots(home, view));
-  ROOMWISE_CHECK_OK(view_edits(home, things, view));
-  ROOMWISE_CHECK_OK(view_latest(home, things, history, view));
+  ROOMWISE_RETURN_IF_ERROR(view_things(home, things, history, view));
+  ROOMWISE_RETURN_IF_ERROR(view_own_things(home, view));
+  ROOMWISE_RETURN_IF_ERROR(view_spots(home, view));
+  ROOMWISE_RETURN_IF_ERROR(view_edits(home, things, view));
+  ROOMWISE_RETURN_IF_ERROR(view_latest(home, things, history, view));
   view_changes(history, view);
   ROOMWISE_TRY(const auto classifier, home.room_classifier());
   if (classifier) {

@@ -135,7 +135,7 @@ class Refiner {
     BundleOptions bundle = options_.bundle;
     MapRefinement refinement;
     if (!is_whole) {
-      ROOMWISE_CHECK_OK(join_windows(refinement));
+      ROOMWISE_RETURN_IF_ERROR(join_windows(refinement));
       bundle.readout_sigma_s = 0;  // it is found once
     }
     ROOMWISE_TRY(const auto adjusted, sweep(bundle, /*has_free_boundary=*/false));
@@ -169,7 +169,7 @@ class Refiner {
     }
     PoseGraphOptions plain = graph_options_;
     plain.relaxes_start = false;
-    ROOMWISE_CHECK_OK(optimize(graph, plain));
+    ROOMWISE_RETURN_IF_ERROR(optimize(graph, plain));
     for (KeyframeId id = 0; id < poses_.size(); ++id) poses_[id] = graph.world_from_node[id];
     return {};
   }
@@ -449,9 +449,9 @@ class Refiner {
 }  // namespace
 
 Expected<void> RefinementOptions::validate() const {
-  ROOMWISE_CHECK_OK(landmarks.validate());
-  ROOMWISE_CHECK_OK(bundle.validate());
-  ROOMWISE_CHECK_OK(up.validate());
+  ROOMWISE_RETURN_IF_ERROR(landmarks.validate());
+  ROOMWISE_RETURN_IF_ERROR(bundle.validate());
+  ROOMWISE_RETURN_IF_ERROR(up.validate());
   if (!(residuals.pixel_sigma_px > 0) || !(residuals.disparity_sigma_px > 0) ||
       !(residuals.focal_baseline_px_m > 0)) {
     return fail(
@@ -468,7 +468,7 @@ Expected<void> RefinementOptions::validate() const {
 Expected<MapRefinement> refine_map(const MapSolution& solution, const RefinementInputs& inputs,
                                    const MapSolverOptions& solver, const RefinementOptions& options,
                                    Progress& progress) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   const std::size_t count = solution.world_from_keyframe.size();
   if (inputs.has_landmarks.size() != count || inputs.keyframe_times.size() != count) {
     return fail("landmarks are looked for in {} and times known of {} key-frames for a map of {}",

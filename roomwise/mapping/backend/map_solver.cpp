@@ -126,15 +126,15 @@ std::vector<PoseGraphEdge> demote_inconsistent_odometry(std::span<const PoseGrap
 }
 
 double loop_error(const PoseGraph& graph, const PoseGraphEdge& edge) {
-  return pose_graph_error({{{edge.from, graph.world_from_node.at(edge.from)},
-                            {edge.to, graph.world_from_node.at(edge.to)}},
-                           {edge}});
+  return pose_graph_chi2({{{edge.from, graph.world_from_node.at(edge.from)},
+                           {edge.to, graph.world_from_node.at(edge.to)}},
+                          {edge}});
 }
 
 }  // namespace
 
 Expected<void> MapSolverOptions::validate() const {
-  ROOMWISE_CHECK_OK(graph.validate());
+  ROOMWISE_RETURN_IF_ERROR(graph.validate());
   if (!(max_loop_error > 0)) return fail("max_loop_error = {} must be positive", max_loop_error);
   return {};
 }
@@ -170,7 +170,7 @@ std::vector<PoseGraphEdge> demote_inconsistent_odometry(std::size_t keyframe_cou
 
 Expected<MapSolution> solve_map(std::size_t keyframe_count, std::span<const PoseGraphEdge> edges,
                                 const MapSolverOptions& options) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   MapSolution solution;
   if (keyframe_count == 0) return solution;
   for (const PoseGraphEdge& edge : edges) {

@@ -94,7 +94,7 @@ TEST(IsContradicted, TellsTheStepsThatTheSolverLeftOut) {
   EXPECT_EQ(std::erase_if(graph.edges,
                           [&](const PoseGraphEdge& each) { return is_contradicted(graph, each); }),
             1U);
-  EXPECT_LT(pose_graph_error(graph), 1e-3);
+  EXPECT_LT(pose_graph_chi2(graph), 1e-3);
 }
 
 TEST(SolveMap, SeveralWrongEdgesDoNotBendTheMapEither) {

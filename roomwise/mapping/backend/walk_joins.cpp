@@ -175,7 +175,7 @@ Expected<std::vector<PoseGraphEdge>> without_unsupported_joins(std::span<const s
                                                                std::span<const PoseGraphEdge> edges,
                                                                const MapSolverOptions& solver,
                                                                const WalkJoinOptions& options) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   const auto is_join = [&](const PoseGraphEdge& edge) {
     return part_of[edge.from] != part_of[edge.to];
   };
@@ -205,7 +205,7 @@ Expected<std::vector<PoseGraphEdge>> without_unsupported_joins(std::span<const s
 Expected<std::vector<PoseGraphEdge>> without_contradicted_joins(
     std::span<const std::size_t> part_of, std::span<const PoseGraphEdge> edges,
     const MapSolution& solution, const CompareDepths& compare, const WalkJoinOptions& options) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   const auto is_join = [&](const PoseGraphEdge& edge) {
     return part_of[edge.from] != part_of[edge.to];
   };

@@ -42,7 +42,7 @@ Expected<void> check(const Bundle& bundle) {
       return fail("a camera is of model {} of {}", camera.model, bundle.models.size());
   }
   for (std::size_t i = 0; i < bundle.landmarks.size(); ++i)
-    ROOMWISE_CHECK_OK(check_landmark(bundle, i));
+    ROOMWISE_RETURN_IF_ERROR(check_landmark(bundle, i));
   for (const PoseGraphEdge& edge : bundle.edges) {
     if (std::max(edge.from, edge.to) >= bundle.cameras.size() || edge.from == edge.to) {
       return fail("an edge from camera {} to camera {} of {}", edge.from, edge.to,
@@ -103,8 +103,8 @@ double bundle_cost(const Bundle& bundle, const BundleOptions& options) {
 Expected<BundleReport> adjust_bundle(Bundle& bundle, const BundleOptions& options,
                                      const std::function<Expected<void>()>& go_on) {
   constexpr double kRounding = 1e-10;  // steps of cameras that are so small, m and rad, are none
-  ROOMWISE_CHECK_OK(options.validate());
-  ROOMWISE_CHECK_OK(check(bundle));
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(check(bundle));
   BundleReport report;
   if (bundle.fixed_cameras == bundle.cameras.size()) {
     report.solver.initial_cost = report.solver.final_cost = bundle_cost(bundle, options);
@@ -119,7 +119,7 @@ Expected<BundleReport> adjust_bundle(Bundle& bundle, const BundleOptions& option
                                          going = go_on();
                                          return going.has_value();
                                        });
-    ROOMWISE_CHECK_OK(going);
+    ROOMWISE_RETURN_IF_ERROR(going);
   }
   report.rms_px = rms_px(bundle);
   return report;

@@ -106,7 +106,7 @@ Expected<MapUpdate> Mapper::place_newest(motion::FrameMeasurements measurements)
       frames_[position].no_pose_reason = to_string(motion::MotionStatus::kTooFewFeatures);
       return step;
     }
-    ROOMWISE_CHECK_OK(add_keyframe(position, std::move(measurements), std::nullopt, step));
+    ROOMWISE_RETURN_IF_ERROR(add_keyframe(position, std::move(measurements), std::nullopt, step));
     return step;
   }
   const bool is_checkpoint_due = ++frames_since_checkpoint_ >= kMaxFramesToCheckpoint;
@@ -115,14 +115,14 @@ Expected<MapUpdate> Mapper::place_newest(motion::FrameMeasurements measurements)
   if (!outcome.found() && previous_) {
     // The frame before still matched: as a key-frame it bridges the gap.
     PreviousFrame bridge = *std::exchange(previous_, std::nullopt);
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(
         add_keyframe(position - 1, std::move(bridge.measurements), bridge.edge, step));
     ROOMWISE_TRY(outcome, track(measurements));
   }
   KeyframeId reference = reference_history_.back();
-  if (!outcome.found()) ROOMWISE_CHECK_OK(relocalize(measurements, reference, outcome));
+  if (!outcome.found()) ROOMWISE_RETURN_IF_ERROR(relocalize(measurements, reference, outcome));
   if (const auto by_device = outcome.found() ? std::nullopt : dead_reckoned_pose()) {
-    ROOMWISE_CHECK_OK(place_by_dead_reckoning(*by_device, std::move(measurements), step));
+    ROOMWISE_RETURN_IF_ERROR(place_by_dead_reckoning(*by_device, std::move(measurements), step));
     if (is_checkpoint_due && !step.is_checkpoint) reach_checkpoint(step);
     return step;
   }
@@ -131,7 +131,7 @@ Expected<MapUpdate> Mapper::place_newest(motion::FrameMeasurements measurements)
     frames_[position].no_pose_reason = outcome.describe();
     if (++frames_lost_ >= options_.frames_until_new_component &&
         can_start_component(measurements)) {
-      ROOMWISE_CHECK_OK(add_keyframe(position, std::move(measurements), std::nullopt, step));
+      ROOMWISE_RETURN_IF_ERROR(add_keyframe(position, std::move(measurements), std::nullopt, step));
     } else if (is_checkpoint_due) {
       reach_checkpoint(step);
     }
@@ -161,7 +161,7 @@ Expected<MapUpdate> Mapper::place_newest(motion::FrameMeasurements measurements)
       return step;
     }
   }
-  ROOMWISE_CHECK_OK(add_keyframe(position, std::move(measurements), edge, step));
+  ROOMWISE_RETURN_IF_ERROR(add_keyframe(position, std::move(measurements), edge, step));
   return step;
 }
 
@@ -322,7 +322,7 @@ Expected<void> Mapper::add_keyframe(std::size_t frame_position,
   frame.no_pose_reason.clear();
   keyframes_.push_back(newest);
   // Finds its features now at the latest: a key-frame does not hold on to its images.
-  ROOMWISE_CHECK_OK(store_.add(std::move(measurements)));
+  ROOMWISE_RETURN_IF_ERROR(store_.add(std::move(measurements)));
   ROOMWISE_TRY(const SharedMeasurements measured, store_.get(newest.id));
   set_reference(newest.id);
   if (link) graph_.add(*link);

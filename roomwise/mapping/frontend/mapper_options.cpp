@@ -22,9 +22,9 @@ Expected<void> ReuseOptions::validate() const {
 }
 
 Expected<void> MapperOptions::validate() const {
-  ROOMWISE_CHECK_OK(locator.validate());
-  ROOMWISE_CHECK_OK(loops.validate());
-  ROOMWISE_CHECK_OK(reuse.validate());
+  ROOMWISE_RETURN_IF_ERROR(locator.validate());
+  ROOMWISE_RETURN_IF_ERROR(loops.validate());
+  ROOMWISE_RETURN_IF_ERROR(reuse.validate());
   if (!(keyframe_translation_m > 0) || !(keyframe_rotation_rad > 0)) {
     return fail("keyframe_translation_m = {} and keyframe_rotation_rad = {} must be positive",
                 keyframe_translation_m, keyframe_rotation_rad);

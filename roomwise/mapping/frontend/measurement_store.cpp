@@ -39,14 +39,14 @@ Expected<SharedMeasurements> MeasurementStore::get(KeyframeId id) {
   used_.push_front(id);
   entry.use = used_.begin();
   bytes_ += entry.memory_bytes;
-  ROOMWISE_CHECK_OK(make_room());
+  ROOMWISE_RETURN_IF_ERROR(make_room());
   return shared;
 }
 
 Expected<void> MeasurementStore::make_room() {
   if (options_.scratch_folder.empty()) return {};
   while (bytes_ > options_.max_bytes && used_.size() > 1) {
-    ROOMWISE_CHECK_OK(push_out(entries_[used_.back()]));
+    ROOMWISE_RETURN_IF_ERROR(push_out(entries_[used_.back()]));
     used_.pop_back();
   }
   return {};

@@ -16,7 +16,7 @@ using geometry::RigidTransform;
 // at once: each block of BlockCholesky holds it twice.
 class TwinEquations {
  public:
-  explicit TwinEquations(const NumberedGraph& graph)
+  explicit TwinEquations(const IndexedGraph& graph)
       : graph_(graph), diagonal_(graph.world_from_node.size(), Eigen::Matrix3d::Zero()) {}
 
   // What an edge adds where its residual is A x_to - B x_from.
@@ -32,7 +32,7 @@ class TwinEquations {
 
   [[nodiscard]] bool factorize() {
     std::vector<Matrix6d> diagonal;
-    for (std::size_t node = graph_.fixed_poses; node < diagonal_.size(); ++node)
+    for (std::size_t node = graph_.fixed_pose_count; node < diagonal_.size(); ++node)
       diagonal.push_back(twice(diagonal_[node]));
     cholesky_.emplace(diagonal.size(), pairs_);
     return cholesky_->factorize(diagonal, off_diagonal_);
@@ -48,9 +48,9 @@ class TwinEquations {
       columns[i].reshaped() = numbers.segment<6>(6 * static_cast<Eigen::Index>(i));
   }
 
-  [[nodiscard]] bool is_free(std::uint32_t node) const { return node >= graph_.fixed_poses; }
+  [[nodiscard]] bool is_free(std::uint32_t node) const { return node >= graph_.fixed_pose_count; }
   [[nodiscard]] std::uint32_t place(std::uint32_t node) const {
-    return node - static_cast<std::uint32_t>(graph_.fixed_poses);
+    return node - static_cast<std::uint32_t>(graph_.fixed_pose_count);
   }
 
  private:
@@ -60,7 +60,7 @@ class TwinEquations {
     return both;
   }
 
-  const NumberedGraph& graph_;
+  const IndexedGraph& graph_;
   std::vector<Eigen::Matrix3d> diagonal_;  // by pose
   std::vector<BlockPair> pairs_;
   std::vector<Matrix6d> off_diagonal_;
@@ -77,9 +77,9 @@ Eigen::Quaterniond nearest_rotation(const Eigen::Matrix3d& matrix) {
 
 // Minimises the sum of w |R_to - R_from Z|^2 (Frobenius) over matrices R. Row by row of R, written
 // as a column r, an edge's residual is r_to - Z^T r_from.
-bool set_turns(const NumberedGraph& graph, std::vector<RigidTransform>& poses) {
+bool set_turns(const IndexedGraph& graph, std::vector<RigidTransform>& poses) {
   TwinEquations equations(graph);
-  const std::size_t free_poses = poses.size() - graph.fixed_poses;
+  const std::size_t free_poses = poses.size() - graph.fixed_pose_count;
   // Rows 0 and 1, and rows 2 and 2 of the matrices.
   std::array<std::vector<Eigen::Matrix<double, 3, 2>>, 2> rows;
   for (auto& pair : rows) pair.assign(free_poses, Eigen::Matrix<double, 3, 2>::Zero());
@@ -106,16 +106,16 @@ bool set_turns(const NumberedGraph& graph, std::vector<RigidTransform>& poses) {
     Eigen::Matrix3d matrix;
     matrix << rows[0][i].transpose(), rows[1][i].col(0).transpose();
     if (!matrix.allFinite()) return false;
-    poses[graph.fixed_poses + i].rotation = nearest_rotation(matrix);
+    poses[graph.fixed_pose_count + i].rotation = nearest_rotation(matrix);
   }
   return true;
 }
 
 // Minimises the edges' errors over places, the turns as they are: of an edge, t_to - t_from is
 // measured as R_from z with the information of the shift.
-bool set_places(const NumberedGraph& graph, std::vector<RigidTransform>& poses) {
+bool set_places(const IndexedGraph& graph, std::vector<RigidTransform>& poses) {
   TwinEquations equations(graph);
-  std::vector<Eigen::Matrix<double, 3, 2>> places(poses.size() - graph.fixed_poses,
+  std::vector<Eigen::Matrix<double, 3, 2>> places(poses.size() - graph.fixed_pose_count,
                                                   Eigen::Matrix<double, 3, 2>::Zero());
   for (const NumberedEdge& edge : graph.edges) {
     const Eigen::Matrix3d measured_from_world =
@@ -141,14 +141,14 @@ bool set_places(const NumberedGraph& graph, std::vector<RigidTransform>& poses) 
   equations.solve(places);
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (!places[i].allFinite()) return false;
-    poses[graph.fixed_poses + i].translation = places[i].col(0);
+    poses[graph.fixed_pose_count + i].translation = places[i].col(0);
   }
   return true;
 }
 
 }  // namespace
 
-std::optional<std::vector<RigidTransform>> chordal_start(const NumberedGraph& graph,
+std::optional<std::vector<RigidTransform>> chordal_start(const IndexedGraph& graph,
                                                          const Interruption& interruption) {
   std::vector<RigidTransform> poses = graph.world_from_node;
   if (interruption.interrupted() || !set_turns(graph, poses)) return std::nullopt;

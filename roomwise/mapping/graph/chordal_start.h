@@ -16,6 +16,6 @@ namespace roomwise::mapping {
 // not determine all turns and places, nor where it was interrupted, which it asks for before each
 // step.
 [[nodiscard]] std::optional<std::vector<geometry::RigidTransform>> chordal_start(
-    const NumberedGraph& graph, const Interruption& interruption = {});
+    const IndexedGraph& graph, const Interruption& interruption = {});
 
 }  // namespace roomwise::mapping

@@ -14,10 +14,10 @@ namespace {
 using geometry::RigidTransform;
 
 // As torus_graph(), numbered, with the first pose fixed.
-NumberedGraph numbered_chain(const PoseGraph& graph) {
-  NumberedGraph result;
+IndexedGraph numbered_chain(const PoseGraph& graph) {
+  IndexedGraph result;
   for (const auto& [id, pose] : graph.world_from_node) result.world_from_node.push_back(pose);
-  result.fixed_poses = 1;
+  result.fixed_pose_count = 1;
   for (const PoseGraphEdge& edge : graph.edges) {
     result.edges.push_back(
         {static_cast<std::uint32_t>(edge.from), static_cast<std::uint32_t>(edge.to), &edge, 0});
@@ -28,7 +28,7 @@ NumberedGraph numbered_chain(const PoseGraph& graph) {
 TEST(ChordalStart, FindsThePosesOfExactEdgesWhateverTheGuess) {
   const PoseGraph graph = testing::torus_graph(
       {.windings = 6, .poses_a_winding = 8, .loops = 30, .sigma_m = 1e-9, .sigma_rad = 1e-9});
-  NumberedGraph guess = numbered_chain(graph);
+  IndexedGraph guess = numbered_chain(graph);
   RandomStream random(3);
   for (std::size_t i = 1; i < guess.world_from_node.size(); ++i)
     guess.world_from_node[i] = testing::random_transform(random, 10, 2);

@@ -123,7 +123,7 @@ class Reader {
   Expected<void> read_vertex(Tokenizer& words) {
     ROOMWISE_TRY(const NodeId id, words.number<NodeId>("the node"));
     ROOMWISE_TRY(const RigidTransform pose, parse_transform(words));
-    ROOMWISE_CHECK_OK(words.end());
+    ROOMWISE_RETURN_IF_ERROR(words.end());
     if (!graph_.world_from_node.emplace(id, pose).second) return fail("node {} is given twice", id);
     return {};
   }
@@ -134,7 +134,7 @@ class Reader {
     ROOMWISE_TRY(edge.to, words.number<NodeId>("the second node"));
     ROOMWISE_TRY(edge.from_from_to, parse_transform(words));
     ROOMWISE_TRY(edge.information, parse_information(words));
-    ROOMWISE_CHECK_OK(words.end());
+    ROOMWISE_RETURN_IF_ERROR(words.end());
     graph_.edges.push_back(edge);
     edge_lines_.push_back(line);
     return {};
@@ -142,7 +142,7 @@ class Reader {
 
   Expected<void> read_fix(Tokenizer& words, std::size_t line) {
     ROOMWISE_TRY(const NodeId id, words.number<NodeId>("the node"));
-    ROOMWISE_CHECK_OK(words.end());
+    ROOMWISE_RETURN_IF_ERROR(words.end());
     if (fixed_ && fixed_->first != id) return fail("a second node is held still; expected one FIX");
     fixed_ = {id, line};
     return {};

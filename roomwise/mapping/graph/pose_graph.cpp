@@ -76,19 +76,19 @@ Expected<void> check(const PoseGraph& graph) {
     if (auto checked = check_pose(edge.from_from_to); !checked) {
       return fail("the transform of {} {}", name_of(edge), checked.error().message);
     }
-    ROOMWISE_CHECK_OK(check_information(edge));
+    ROOMWISE_RETURN_IF_ERROR(check_information(edge));
   }
   return {};
 }
 
 // The graph with numbers for ids: first the lowest node of each part, which stays where it is.
-NumberedGraph numbered(const PoseGraph& graph, const PoseGraphOptions& options,
-                       std::map<NodeId, std::uint32_t>& numbers) {
+IndexedGraph numbered(const PoseGraph& graph, const PoseGraphOptions& options,
+                      std::map<NodeId, std::uint32_t>& numbers) {
   std::map<NodeId, std::size_t> rank;
   for (const auto& [id, pose] : graph.world_from_node) rank.emplace(id, rank.size());
   DisjointSets parts(rank.size());
   for (const PoseGraphEdge& edge : graph.edges) parts.join(rank.at(edge.from), rank.at(edge.to));
-  NumberedGraph result;
+  IndexedGraph result;
   for (const bool fixed : {true, false}) {
     for (const auto& [id, pose] : graph.world_from_node) {
       const std::size_t own = rank.at(id);
@@ -96,7 +96,7 @@ NumberedGraph numbered(const PoseGraph& graph, const PoseGraphOptions& options,
       numbers[id] = static_cast<std::uint32_t>(result.world_from_node.size());
       result.world_from_node.push_back(pose);
     }
-    if (fixed) result.fixed_poses = result.world_from_node.size();
+    if (fixed) result.fixed_pose_count = result.world_from_node.size();
   }
   for (const PoseGraphEdge& edge : graph.edges) {
     result.edges.push_back({numbers.at(edge.from), numbers.at(edge.to), &edge,
@@ -108,17 +108,17 @@ NumberedGraph numbered(const PoseGraph& graph, const PoseGraphOptions& options,
 // The same for edges whose information is positive semi-definite.
 Expected<PoseGraphReport> optimize_semidefinite(PoseGraph& graph, const PoseGraphOptions& options,
                                                 const Interruption& interruption) {
-  const double error_before = pose_graph_error(graph);
+  const double error_before = pose_graph_chi2(graph);
   if (!std::isfinite(error_before)) {
     return fail("the pose graph holds lengths or weights too large to square; expected metres");
   }
   std::map<NodeId, std::uint32_t> numbers;
-  NumberedGraph solved = numbered(graph, options, numbers);
+  IndexedGraph solved = numbered(graph, options, numbers);
   const geometry::MinimizerSummary summary = minimize(solved, options, interruption);
   if (summary.termination == geometry::Termination::kInterrupted)
     return fail_with(ErrorCode::kInterrupted, "interrupted while optimising the pose graph");
   for (auto& [id, pose] : graph.world_from_node) pose = solved.world_from_node[numbers.at(id)];
-  return PoseGraphReport{error_before, pose_graph_error(graph), summary.iterations,
+  return PoseGraphReport{error_before, pose_graph_chi2(graph), summary.iterations,
                          summary.termination, 0};
 }
 
@@ -137,7 +137,7 @@ Expected<void> PoseGraphOptions::validate() const {
   return {};
 }
 
-double pose_graph_error(const PoseGraph& graph) {
+double pose_graph_chi2(const PoseGraph& graph) {
   double sum = 0;
   for (const PoseGraphEdge& edge : graph.edges)
     sum += edge_cost(edge, graph.world_from_node.at(edge.from), graph.world_from_node.at(edge.to));
@@ -146,8 +146,8 @@ double pose_graph_error(const PoseGraph& graph) {
 
 Expected<PoseGraphReport> optimize(PoseGraph& graph, const PoseGraphOptions& options,
                                    const Interruption& interruption) {
-  ROOMWISE_CHECK_OK(options.validate());
-  ROOMWISE_CHECK_OK(check(graph));
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(check(graph));
   // Edges are solved by what of them makes sense, and stay as they are.
   std::map<std::size_t, Matrix6d> indefinite;  // by edge: as it was given
   for (std::size_t i = 0; i < graph.edges.size(); ++i) {

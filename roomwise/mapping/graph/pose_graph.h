@@ -23,7 +23,7 @@ struct PoseGraph {
 
 // F(x): the sum of e^T Omega e over all edges, without robust kernels. Every edge's nodes must be
 // there.
-[[nodiscard]] double pose_graph_error(const PoseGraph& graph);
+[[nodiscard]] double pose_graph_chi2(const PoseGraph& graph);
 
 struct PoseGraphOptions {
   int max_iterations = 100;

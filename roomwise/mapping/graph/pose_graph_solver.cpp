@@ -15,7 +15,7 @@ namespace {
 using geometry::Matrix6d;
 using geometry::RigidTransform;
 
-double cost_of(const NumberedGraph& graph, std::span<const RigidTransform> world_from_node) {
+double cost_of(const IndexedGraph& graph, std::span<const RigidTransform> world_from_node) {
   double sum = 0;
   for (const NumberedEdge& edge : graph.edges) {
     sum += edge_cost(*edge.edge, world_from_node[edge.from], world_from_node[edge.to], edge.kernel);
@@ -30,9 +30,9 @@ auto segment(Eigen::VectorXd& numbers, std::size_t pose) {
 // What levenberg_marquardt.h minimises: six variables for each pose that may move.
 class PoseGraphProblem {
  public:
-  explicit PoseGraphProblem(NumberedGraph& graph)
+  explicit PoseGraphProblem(IndexedGraph& graph)
       : graph_(graph),
-        variable_poses_(graph.world_from_node.size() - graph.fixed_poses),
+        variable_poses_(graph.world_from_node.size() - graph.fixed_pose_count),
         cholesky_(variable_poses_, pairs_of(graph)) {}
 
   [[nodiscard]] double cost() const { return cost_of(graph_, graph_.world_from_node); }
@@ -45,15 +45,15 @@ class PoseGraphProblem {
       const EdgeEquations equations =
           mapping::linearize(*edge.edge, graph_.world_from_node[edge.from],
                              graph_.world_from_node[edge.to], edge.kernel);
-      const bool moves_from = edge.from >= graph_.fixed_poses;
-      const bool moves_to = edge.to >= graph_.fixed_poses;
+      const bool moves_from = edge.from >= graph_.fixed_pose_count;
+      const bool moves_to = edge.to >= graph_.fixed_pose_count;
       if (moves_from) {
-        hessian_[edge.from - graph_.fixed_poses] += equations.from_hessian;
-        segment(rhs_, edge.from - graph_.fixed_poses) += equations.from_rhs;
+        hessian_[edge.from - graph_.fixed_pose_count] += equations.from_hessian;
+        segment(rhs_, edge.from - graph_.fixed_pose_count) += equations.from_rhs;
       }
       if (moves_to) {
-        hessian_[edge.to - graph_.fixed_poses] += equations.to_hessian;
-        segment(rhs_, edge.to - graph_.fixed_poses) += equations.to_rhs;
+        hessian_[edge.to - graph_.fixed_pose_count] += equations.to_hessian;
+        segment(rhs_, edge.to - graph_.fixed_pose_count) += equations.to_rhs;
       }
       if (moves_from && moves_to) off_diagonal_hessian_.push_back(equations.from_to_hessian);
     }
@@ -72,16 +72,16 @@ class PoseGraphProblem {
   void take_step() {
     before_ = graph_.world_from_node;
     for (std::size_t i = 0; i < variable_poses_; ++i) {
-      RigidTransform& pose = graph_.world_from_node[graph_.fixed_poses + i];
+      RigidTransform& pose = graph_.world_from_node[graph_.fixed_pose_count + i];
       pose = retract(pose, segment(step_, i));
     }
   }
   void undo_step() { graph_.world_from_node.swap(before_); }
 
  private:
-  static std::vector<BlockPair> pairs_of(const NumberedGraph& graph) {
+  static std::vector<BlockPair> pairs_of(const IndexedGraph& graph) {
     std::vector<BlockPair> pairs;
-    const auto fixed = static_cast<std::uint32_t>(graph.fixed_poses);
+    const auto fixed = static_cast<std::uint32_t>(graph.fixed_pose_count);
     for (const NumberedEdge& edge : graph.edges) {
       if (edge.from >= fixed && edge.to >= fixed)
         pairs.emplace_back(edge.from - fixed, edge.to - fixed);
@@ -89,7 +89,7 @@ class PoseGraphProblem {
     return pairs;
   }
 
-  NumberedGraph& graph_;
+  IndexedGraph& graph_;
   std::size_t variable_poses_;
   BlockCholesky cholesky_;
   std::vector<Matrix6d> hessian_, off_diagonal_hessian_;  // blocks by pose, and by edge
@@ -99,10 +99,10 @@ class PoseGraphProblem {
 
 }  // namespace
 
-geometry::MinimizerSummary minimize(NumberedGraph& graph, const PoseGraphOptions& options,
+geometry::MinimizerSummary minimize(IndexedGraph& graph, const PoseGraphOptions& options,
                                     const Interruption& interruption) {
   constexpr double kRounding = 1e-12;  // steps that are so small next to the poses are none
-  if (graph.fixed_poses == graph.world_from_node.size()) return {};
+  if (graph.fixed_pose_count == graph.world_from_node.size()) return {};
   if (options.relaxes_start) {
     auto relaxed = chordal_start(graph, interruption);
     if (interruption.interrupted()) return {.termination = geometry::Termination::kInterrupted};

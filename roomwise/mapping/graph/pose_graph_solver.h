@@ -16,14 +16,14 @@ struct NumberedEdge {
   const PoseGraphEdge* edge = nullptr;
   double kernel = 0;  // e^T Omega e above which the edge counts less and less; 0: no kernel
 };
-struct NumberedGraph {
+struct IndexedGraph {
   std::vector<geometry::RigidTransform> world_from_node;
-  std::size_t fixed_poses = 0;
+  std::size_t fixed_pose_count = 0;
   std::vector<NumberedEdge> edges;
 };
 
 // Moves the poses that may move to a minimum of the sum of the edges' costs.
-[[nodiscard]] geometry::MinimizerSummary minimize(NumberedGraph& graph,
+[[nodiscard]] geometry::MinimizerSummary minimize(IndexedGraph& graph,
                                                   const PoseGraphOptions& options,
                                                   const Interruption& interruption = {});
 

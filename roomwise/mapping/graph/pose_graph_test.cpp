@@ -67,11 +67,11 @@ TEST(PoseGraphError, FollowsTheDocumentedFormula) {
   graph.edges.push_back({3, 8, translated(1.5), information, false});
   // e = (0.5, 0, 0, 0, 0, sin(0.1)).
   const double s = std::sin(0.1);
-  EXPECT_NEAR(pose_graph_error(graph), 0.25 + 100000 * s * s + 2 * 7 * 0.5 * s, 1e-9);
+  EXPECT_NEAR(pose_graph_chi2(graph), 0.25 + 100000 * s * s + 2 * 7 * 0.5 * s, 1e-9);
 
   // A quaternion and its negative are one rotation and give one error.
   graph.world_from_node[8].rotation.coeffs() *= -1;
-  EXPECT_NEAR(pose_graph_error(graph), 0.25 + 100000 * s * s + 2 * 7 * 0.5 * s, 1e-9);
+  EXPECT_NEAR(pose_graph_chi2(graph), 0.25 + 100000 * s * s + 2 * 7 * 0.5 * s, 1e-9);
 }
 
 TEST(PoseGraphError, MeasuresTheTranslationInTheMeasuredFrame) {
@@ -83,7 +83,7 @@ TEST(PoseGraphError, MeasuresTheTranslationInTheMeasuredFrame) {
   Matrix6d information = Matrix6d::Zero();
   information(1, 1) = 4;
   graph.edges.push_back({0, 1, turned_about_z(std::numbers::pi / 2), information, false});
-  EXPECT_NEAR(pose_graph_error(graph), 4, 1e-12);
+  EXPECT_NEAR(pose_graph_chi2(graph), 4, 1e-12);
 }
 
 TEST(Optimize, RestoresADisturbedSquare) {

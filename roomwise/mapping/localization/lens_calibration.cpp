@@ -7,7 +7,7 @@
 namespace roomwise::mapping {
 namespace {
 
-using motion::LensEstimate;
+using motion::IntrinsicsEstimate;
 
 // What the residuals of one view do not show, of (logarithm of the focal length, k1): the map's own
 // errors, a principal point beside the middle.
@@ -31,7 +31,7 @@ struct Told {
 
 // That is the difference of what was known before and after it, weakened by what it does not show:
 // (I^-1 + S)^-1 = (I S + 1)^-1 I.
-Told told_by(const LensEstimate& before, const LensEstimate& after) {
+Told told_by(const IntrinsicsEstimate& before, const IntrinsicsEstimate& after) {
   const Eigen::Matrix2d information = after.information - before.information;
   const Eigen::Vector2d weighted =
       after.information * after.mean - before.information * before.mean;
@@ -42,18 +42,18 @@ Told told_by(const LensEstimate& before, const LensEstimate& after) {
   return {weaken * information, weaken * weighted};
 }
 
-LensEstimate with(const LensEstimate& known, const Told& told) {
-  LensEstimate both;
+IntrinsicsEstimate with(const IntrinsicsEstimate& known, const Told& told) {
+  IntrinsicsEstimate both;
   both.information = known.information + told.information;
   both.mean = both.information.inverse() * (known.information * known.mean + told.weighted_mean);
-  const double share = both.focal_sigma() / kMinFocalSigma;
+  const double share = both.relative_focal_sigma() / kMinFocalSigma;
   both.information *= std::min(1.0, share * share);
   return both;
 }
 
-bool are_of_two_lenses(const LensEstimate& a, const LensEstimate& b) {
+bool are_of_two_lenses(const IntrinsicsEstimate& a, const IntrinsicsEstimate& b) {
   return std::abs(a.mean[0] - b.mean[0]) >
-         kOtherLensSigmas * std::hypot(a.focal_sigma(), b.focal_sigma());
+         kOtherLensSigmas * std::hypot(a.relative_focal_sigma(), b.relative_focal_sigma());
 }
 
 // Only what a doubt remains of says nothing; a vague pose is right, and says how much it knows.
@@ -67,8 +67,8 @@ bool LensCalibration::is_asked_anew() const {
   return without_pose_ > 0 && without_pose_ % kManyWithoutPose == 0;
 }
 
-LensEstimate LensCalibration::estimate() const {
-  return is_asked_anew() ? LensEstimate::of_phones() : known_;
+IntrinsicsEstimate LensCalibration::estimate() const {
+  return is_asked_anew() ? IntrinsicsEstimate::typical_of_phones() : known_;
 }
 
 bool LensCalibration::counts(const geometry::RigidTransform& world_from_camera) const {
@@ -84,7 +84,7 @@ bool LensCalibration::add(const Localization& answer) {
     ++without_pose_;
     return false;
   }
-  const LensEstimate asked = estimate();
+  const IntrinsicsEstimate asked = estimate();
   if (is_asked_anew() && are_of_two_lenses(known_, *answer.lens)) {
     known_ = asked;
     counted_.clear();

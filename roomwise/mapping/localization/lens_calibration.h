@@ -12,17 +12,17 @@ namespace roomwise::mapping {
 // view counts once. Not thread-safe: what is asked by an estimate must be answered before the next.
 class LensCalibration {
  public:
-  LensCalibration() : LensCalibration(motion::LensEstimate::of_phones()) {}
+  LensCalibration() : LensCalibration(motion::IntrinsicsEstimate::typical_of_phones()) {}
   // Also goes on where another left off, which counted these views.
-  explicit LensCalibration(const motion::LensEstimate& known,
+  explicit LensCalibration(const motion::IntrinsicsEstimate& known,
                            std::vector<geometry::RigidTransform> counted = {})
       : known_(known), counted_(std::move(counted)) {}
 
   // To be asked with next. Every tenth of pictures in a row without a pose as if nothing were
   // known: the device may have another lens now.
-  [[nodiscard]] motion::LensEstimate estimate() const;
+  [[nodiscard]] motion::IntrinsicsEstimate estimate() const;
   // What is known by now, to be kept.
-  [[nodiscard]] const motion::LensEstimate& known() const { return known_; }
+  [[nodiscard]] const motion::IntrinsicsEstimate& known() const { return known_; }
   // world_from_camera of the views that it was learned from, the latest last: some 200 at most.
   [[nodiscard]] const std::vector<geometry::RigidTransform>& counted() const { return counted_; }
   // Whether the answer told something.
@@ -32,7 +32,7 @@ class LensCalibration {
   [[nodiscard]] bool is_asked_anew() const;
   [[nodiscard]] bool counts(const geometry::RigidTransform& world_from_camera) const;
 
-  motion::LensEstimate known_;
+  motion::IntrinsicsEstimate known_;
   std::vector<geometry::RigidTransform> counted_;
   int without_pose_ = 0;  // pictures, in a row
 };

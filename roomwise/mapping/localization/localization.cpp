@@ -43,9 +43,9 @@ LocalizerOptions::LocalizerOptions() {
 }
 
 Expected<void> LocalizerOptions::validate() const {
-  ROOMWISE_CHECK_OK(features.validate());
-  ROOMWISE_CHECK_OK(views.validate());
-  ROOMWISE_CHECK_OK(shape_views.validate());
+  ROOMWISE_RETURN_IF_ERROR(features.validate());
+  ROOMWISE_RETURN_IF_ERROR(views.validate());
+  ROOMWISE_RETURN_IF_ERROR(shape_views.validate());
   if (similar < 1 || places < 1 || together < 1 || similar_shapes < 1) {
     return fail(
         "similar = {}, places = {}, together = {} and similar_shapes = {} must be at least 1",

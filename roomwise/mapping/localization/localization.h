@@ -119,7 +119,7 @@ struct Localization {
   double pattern_correlation = 0;
   double support = 0;  // by shape: what speaks for the pose; 3 at most
   // Where the camera was not calibrated: what is known of its lens, this picture counted.
-  std::optional<motion::LensEstimate> lens;
+  std::optional<motion::IntrinsicsEstimate> lens;
 
   // By a weak hypothesis that was confirmed: the place is right, if this is the home.
   bool is_weak_hypothesis = false;

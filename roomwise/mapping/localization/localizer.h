@@ -19,7 +19,7 @@ namespace roomwise::mapping {
 struct Query {
   const motion::FrameMeasurements& measurements;
   const geometry::PinholeCamera& camera;
-  std::optional<motion::LensEstimate> lens = std::nullopt;
+  std::optional<motion::IntrinsicsEstimate> lens = std::nullopt;
   // By place among the map's key-frames: the answer is what a map without these would say. Empty:
   // without none.
   std::vector<bool> left_out = {};

@@ -177,11 +177,12 @@ TEST_F(LocalizerTest, ACalibrationIsNotNeeded) {
   Localizer localizer({});
   look_around(localizer, landmarks_, true);
   const MeasuredFeatures seen = landmarks_.seen_from(pose_, 0.3, false);
-  const Localization found = localizer.locate({seen, kCamera, motion::LensEstimate::of_phones()});
+  const Localization found =
+      localizer.locate({seen, kCamera, motion::IntrinsicsEstimate::typical_of_phones()});
   expect_there(found, pose_, 0.06, 0.05);
   ASSERT_TRUE(found.lens);
   EXPECT_NEAR(found.lens->camera(kCamera.width, kCamera.height).fx / kCamera.fx, 1, 0.04);
-  EXPECT_LT(found.lens->focal_sigma(), 0.02);
+  EXPECT_LT(found.lens->relative_focal_sigma(), 0.02);
 }
 
 // All but every n-th feature are now elsewhere, and lie as deep there as they did. How many stayed.

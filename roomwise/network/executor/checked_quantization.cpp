@@ -79,7 +79,7 @@ class CountedRuns {
       const auto some = inputs.subspan(first, std::min(few, inputs.size() - first));
       ROOMWISE_TRY(auto outputs, executor.run_batch(some, threads_));
       std::ranges::move(outputs, std::back_inserter(all));
-      ROOMWISE_CHECK_OK(count(some.size()));
+      ROOMWISE_RETURN_IF_ERROR(count(some.size()));
     }
     return all;
   }
@@ -156,7 +156,7 @@ Expected<CheckedExecutor> checked_quantization(
       return fail("there is no output {} among {}", i, exact_outputs.front().size());
   }
   ROOMWISE_TRY(EightBitRanges ranges, calibrate_eight_bits(graph, in_floats, calibration));
-  ROOMWISE_CHECK_OK(runs.count(calibration.size()));
+  ROOMWISE_RETURN_IF_ERROR(runs.count(calibration.size()));
   QuantizationReport report;
   report.reason = "nothing in it can be held in 8 bits";
   for (const std::int64_t min_channels : kMinChannels) {

@@ -33,12 +33,12 @@ std::vector<Tensor> inputs_in(const fs::path& file, const std::vector<GraphInput
   for (const GraphInput& input : wanted) {
     Tensor& tensor = inputs.emplace_back(Tensor{input.shape, {}});
     tensor.shape.front() = 1;
-    in_row += count_of(tensor.shape);
+    in_row += element_count(tensor.shape);
   }
   auto from = values.begin();
   for (Tensor& tensor : inputs) {
     tensor.shape.front() = static_cast<std::int64_t>(values.size() / in_row);
-    const auto count = static_cast<std::ptrdiff_t>(count_of(tensor.shape));
+    const auto count = static_cast<std::ptrdiff_t>(element_count(tensor.shape));
     tensor.values.assign(from, from + count);
     from += count;
   }
@@ -166,7 +166,7 @@ class TextBlock {
         std::make_shared<const Constant>(Constant{std::move(shape), true, {}, std::move(values)});
   }
   void add_weights(const std::string& name, const Shape& shape) {
-    add_numbers(name, shape, random_values(count_of(shape), graph_.constants.size() + 1));
+    add_numbers(name, shape, random_values(element_count(shape), graph_.constants.size() + 1));
   }
 
   std::string node(const char* operation, const std::string& name, std::vector<std::string> inputs,

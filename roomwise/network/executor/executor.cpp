@@ -49,8 +49,8 @@ Expected<void> check_input(const Tensor& tensor, const GraphInput& input) {
     return fail("the input \"{}\" takes {}, not {}", input.name, shape_text(input.shape),
                 shape_text(tensor.shape));
   }
-  ROOMWISE_CHECK_OK(check_size(tensor.shape));
-  if (tensor.values.size() != count_of(tensor.shape)) {
+  ROOMWISE_RETURN_IF_ERROR(check_size(tensor.shape));
+  if (tensor.values.size() != element_count(tensor.shape)) {
     return fail("the input \"{}\" has {} values for the shape {}", input.name, tensor.values.size(),
                 shape_text(tensor.shape));
   }
@@ -94,7 +94,7 @@ class Executor::Implementation {
     if (std::ranges::any_of(inputs_, has_free_size)) return {};
     std::vector<Shape> shapes;
     for (const GraphInput& input : inputs_) shapes.push_back(input.shape);
-    ROOMWISE_CHECK_OK(plan_for(shapes));
+    ROOMWISE_RETURN_IF_ERROR(plan_for(shapes));
     graph_ = {};
     options_.eight_bits.reset();
     return {};
@@ -116,7 +116,7 @@ class Executor::Implementation {
     std::vector<Shape> shapes;
     std::vector<std::span<const float>> values;
     for (std::size_t i = 0; i < inputs.size(); ++i) {
-      ROOMWISE_CHECK_OK(check_input(inputs[i], inputs_[i]));
+      ROOMWISE_RETURN_IF_ERROR(check_input(inputs[i], inputs_[i]));
       shapes.push_back(inputs[i].shape);
       values.emplace_back(inputs[i].values);
     }
@@ -187,7 +187,7 @@ Expected<std::unique_ptr<Executor>> Executor::create(OnnxGraph graph, ExecutorOp
                 options.threads_per_input, kMaxThreads);
   }
   auto implementation = std::make_unique<Implementation>(std::move(graph), std::move(options));
-  ROOMWISE_CHECK_OK(implementation->plan_fixed_sizes());
+  ROOMWISE_RETURN_IF_ERROR(implementation->plan_fixed_sizes());
   return std::unique_ptr<Executor>(new Executor(std::move(implementation)));
 }
 

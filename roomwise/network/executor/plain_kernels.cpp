@@ -95,12 +95,12 @@ BlockedShape BlockedShape::around(const Shape& shape, std::size_t axis, std::siz
   return result;
 }
 
-Kernel gather_kernel(const AxisGather& gather, std::vector<BlockedShape> inputs,
+Kernel gather_kernel(const AxisSlices& gather, std::vector<BlockedShape> inputs,
                      const BlockedShape& output) {
   std::vector<Source> sources;
-  for (const AxisGather::Pick& pick : gather.picks) {
-    if (pick.input == AxisGather::kFill) {
-      sources.push_back({AxisGather::kFill, 0, 0});
+  for (const AxisSlices::Pick& pick : gather.slices) {
+    if (pick.input == AxisSlices::kFill) {
+      sources.push_back({AxisSlices::kFill, 0, 0});
       continue;
     }
     const BlockedShape& from = inputs[pick.input];
@@ -118,7 +118,7 @@ Kernel gather_kernel(const AxisGather& gather, std::vector<BlockedShape> inputs,
         runs.clear();
         for (std::size_t lane = 0; lane < block && begin + lane < output.channels; ++lane) {
           const Source& source = sources[begin + lane];
-          if (source.input == AxisGather::kFill) {
+          if (source.input == AxisSlices::kFill) {
             for (std::size_t place = 0; place < places; ++place) to[place * block + lane] = fill;
             continue;
           }
@@ -199,11 +199,11 @@ Kernel mean_kernel(const Mean& mean, const Shape& shape) {
 }
 
 Kernel erf_kernel(const Shape& shape) {
-  return
-      [count = count_of(shape)](std::span<const float* const> inputs, float* to) -> Expected<void> {
-        for (std::size_t i = 0; i < count; ++i) to[i] = std::erf(inputs[0][i]);
-        return {};
-      };
+  return [count = element_count(shape)](std::span<const float* const> inputs,
+                                        float* to) -> Expected<void> {
+    for (std::size_t i = 0; i < count; ++i) to[i] = std::erf(inputs[0][i]);
+    return {};
+  };
 }
 
 Kernel selection_kernel(const Shape& condition, const Shape& a, const Shape& b,
@@ -212,7 +212,7 @@ Kernel selection_kernel(const Shape& condition, const Shape& a, const Shape& b,
                              [](const auto& from) { return *from[0] != 0 ? *from[1] : *from[2]; });
 }
 
-Kernel lookup_kernel(const Lookup& lookup, const Shape& shape, std::size_t count,
+Kernel lookup_kernel(const Gather& lookup, const Shape& shape, std::size_t count,
                      const std::string& node) {
   const BlockedShape table = BlockedShape::around(shape, lookup.axis);
   return [table, count, node](std::span<const float* const> inputs, float* to) -> Expected<void> {
@@ -230,7 +230,7 @@ Kernel lookup_kernel(const Lookup& lookup, const Shape& shape, std::size_t count
   };
 }
 
-Kernel largest_index_kernel(const LargestIndex& largest, const Shape& shape) {
+Kernel largest_index_kernel(const ArgMax& largest, const Shape& shape) {
   const BlockedShape around = BlockedShape::around(shape, largest.axis);
   return [around](std::span<const float* const> inputs, float* to) -> Expected<void> {
     for (std::size_t outer = 0; outer < around.outer; ++outer) {

@@ -28,8 +28,8 @@ struct BlockedShape {
   [[nodiscard]] std::size_t blocks() const { return (channels + block - 1) / block; }
 };
 
-// inputs: the shapes that the gather's picks come from, of one block.
-[[nodiscard]] Kernel gather_kernel(const AxisGather& gather, std::vector<BlockedShape> inputs,
+// inputs: the shapes that the gather's slices come from, of one block.
+[[nodiscard]] Kernel gather_kernel(const AxisSlices& gather, std::vector<BlockedShape> inputs,
                                    const BlockedShape& output);
 // From `shape` (batch x channels x height x width), in blocks of `block`.
 [[nodiscard]] Kernel resampling_kernel(const Resampling& resampling, const Shape& shape,
@@ -42,8 +42,8 @@ struct BlockedShape {
 [[nodiscard]] Kernel selection_kernel(const Shape& condition, const Shape& a, const Shape& b,
                                       const Shape& output);
 // Of a table of `shape`, `count` slices. Its errors name the node.
-[[nodiscard]] Kernel lookup_kernel(const Lookup& lookup, const Shape& shape, std::size_t count,
+[[nodiscard]] Kernel lookup_kernel(const Gather& lookup, const Shape& shape, std::size_t count,
                                    const std::string& node);
-[[nodiscard]] Kernel largest_index_kernel(const LargestIndex& largest, const Shape& shape);
+[[nodiscard]] Kernel largest_index_kernel(const ArgMax& largest, const Shape& shape);
 
 }  // namespace roomwise::network

@@ -59,8 +59,8 @@ Expected<std::vector<std::vector<float>>> PlanRun::run(
     sources.clear();
     for (const PlannedOp::Operand& operand : step.operands)
       sources.push_back(data(operand.value.place));
-    ROOMWISE_CHECK_OK(step.kernel(std::span(sources).first(sources.size() - 1),
-                                  data(step.operands.back().value.place)));
+    ROOMWISE_RETURN_IF_ERROR(step.kernel(std::span(sources).first(sources.size() - 1),
+                                         data(step.operands.back().value.place)));
   }
   stream_.wait();
   std::vector<std::vector<float>> outputs;

@@ -60,7 +60,7 @@ std::shared_ptr<const Plan> PlanBuilder::build() {
 // whole blocks, and other values that are concatenated along their first axis that is not 1.
 void PlanBuilder::plan_concats() {
   for (const Layer& layer : program_.layers) {
-    if (const AxisGather* gather = layer.as<AxisGather>();
+    if (const AxisSlices* gather = layer.as<AxisSlices>();
         gather != nullptr && concatenates_whole_inputs(program_, layer) &&
         BlockedShape::around(shape(layer.output), gather->axis).outer == 1) {
       plan_concat(layer);
@@ -70,7 +70,7 @@ void PlanBuilder::plan_concats() {
 
 void PlanBuilder::plan_concat(const Layer& layer) {
   const bool in_blocks = shape(layer.output).size() == 4;
-  if (in_blocks && layer.as<AxisGather>()->axis != 1) return;
+  if (in_blocks && layer.as<AxisSlices>()->axis != 1) return;
   const auto fills_blocks = [&](ValueId input) {
     return static_cast<std::size_t>(shape(input)[1]) % block_ == 0;
   };
@@ -80,7 +80,7 @@ void PlanBuilder::plan_concat(const Layer& layer) {
   for (const ValueId input : layer.inputs) {
     const bool is_computed = program_.values[input].constant == nullptr && !shares_memory_[input];
     if (is_computed && !concats_[input]) concats_[input] = ConcatSlot{layer.output, values};
-    values += count_of(shape(input));
+    values += element_count(shape(input));
   }
   concat_places_.insert({layer.output, std::nullopt});
 }

@@ -66,16 +66,16 @@ class PlanBuilder {
   void plan_layer(const Layer& layer, const Pooling& pooling);
   void plan_layer(const Layer& layer, const Activation& activation);
   void plan_layer(const Layer& layer, const Arithmetic& arithmetic);
-  void plan_layer(const Layer& layer, const AxisGather& gather);
+  void plan_layer(const Layer& layer, const AxisSlices& gather);
   void plan_layer(const Layer& layer, const MatrixProduct& product);
   void plan_layer(const Layer& layer, const Softmax& softmax);
   void plan_layer(const Layer& layer, const Resampling& resampling);
   void plan_layer(const Layer& layer, const View& view);
   void plan_layer(const Layer& layer, const Permutation& permutation);
   void plan_layer(const Layer& layer, const Mean& mean);
-  void plan_layer(const Layer& layer, const Selection& selection);
-  void plan_layer(const Layer& layer, const Lookup& lookup);
-  void plan_layer(const Layer& layer, const LargestIndex& largest);
+  void plan_layer(const Layer& layer, const Where& selection);
+  void plan_layer(const Layer& layer, const Gather& lookup);
+  void plan_layer(const Layer& layer, const ArgMax& largest);
   // A kernel that takes and gives values row by row.
   void add_plain_kernel(const Layer& layer, Kernel kernel);
   void add_convolution(const Layer& layer, const ConvolutionDescription& description,

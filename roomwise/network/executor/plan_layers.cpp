@@ -144,7 +144,7 @@ void PlanBuilder::plan_layer(const Layer& layer, const Arithmetic& arithmetic) {
                 {{DNNL_ARG_SRC_0, of_a}, {DNNL_ARG_SRC_1, of_b}, {DNNL_ARG_DST, output}});
 }
 
-void PlanBuilder::plan_layer(const Layer& layer, const AxisGather& gather) {
+void PlanBuilder::plan_layer(const Layer& layer, const AxisSlices& gather) {
   if (propagates_eight_bits(layer)) {
     join_in_eight_bits(layer);
     return;
@@ -182,7 +182,7 @@ void PlanBuilder::gather_in_place(const Layer& layer) {
     const TensorView present = located(input);
     if (!(present.place == wanted.place && present.layout == wanted.layout))
       copy(present, wanted, scale_between(input, present.layout, wanted.layout));
-    part.offset += count_of(shape(input)) * sizeof(float);
+    part.offset += element_count(shape(input)) * sizeof(float);
   }
 }
 
@@ -245,17 +245,17 @@ void PlanBuilder::plan_layer(const Layer& layer, const Mean& mean) {
   add_plain_kernel(layer, mean_kernel(mean, shape(layer.inputs[0])));
 }
 
-void PlanBuilder::plan_layer(const Layer& layer, const Selection&) {
+void PlanBuilder::plan_layer(const Layer& layer, const Where&) {
   add_plain_kernel(layer, selection_kernel(shape(layer.inputs[0]), shape(layer.inputs[1]),
                                            shape(layer.inputs[2]), shape(layer.output)));
 }
 
-void PlanBuilder::plan_layer(const Layer& layer, const Lookup& lookup) {
+void PlanBuilder::plan_layer(const Layer& layer, const Gather& lookup) {
   add_plain_kernel(layer, lookup_kernel(lookup, shape(layer.inputs[0]),
-                                        count_of(shape(layer.inputs[1])), layer.node));
+                                        element_count(shape(layer.inputs[1])), layer.node));
 }
 
-void PlanBuilder::plan_layer(const Layer& layer, const LargestIndex& largest) {
+void PlanBuilder::plan_layer(const Layer& layer, const ArgMax& largest) {
   add_plain_kernel(layer, largest_index_kernel(largest, shape(layer.inputs[0])));
 }
 

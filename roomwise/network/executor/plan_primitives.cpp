@@ -105,7 +105,7 @@ bool suits_winograd(const Convolution& convolution, const memory::desc& to) {
          weights[1] >= kMinChannels && to.dims()[2] >= kMinSide && to.dims()[3] >= kMinSide;
 }
 
-// In Winograd's way. oneDNN picks the size of the tiles by the number of threads, too, and other
+// In Winograd's way. oneDNN slices the size of the tiles by the number of threads, too, and other
 // tiles round otherwise: the size for one thread is taken at any number.
 std::optional<ConvolutionDescription> winograd_convolution(const Convolution& convolution,
                                                            ConvolutionWay way,

@@ -49,7 +49,7 @@ bool preserves_quantization(const Program& program, const Layer& layer) {
     const Shape& shape = program.values[layer.output].shape;
     return pooling->kind == Pooling::Kind::kMaximum || shape[2] * shape[3] > 1;
   }
-  const AxisGather* gather = layer.as<AxisGather>();
+  const AxisSlices* gather = layer.as<AxisSlices>();
   return gather != nullptr && gather->axis == 1 && concatenates_whole_inputs(program, layer);
 }
 
@@ -91,10 +91,10 @@ Expected<std::vector<ActivationRange>> ranges_of_values(const Program& program,
     of_values[value] = found->second;
     return {};
   };
-  ROOMWISE_CHECK_OK(take(kInputName, program.inputs.front()));
+  ROOMWISE_RETURN_IF_ERROR(take(kInputName, program.inputs.front()));
   const std::vector<std::string> names = names_of_layers(program);
   for (std::size_t i = 0; i < names.size(); ++i)
-    ROOMWISE_CHECK_OK(take(names[i], program.layers[i].output));
+    ROOMWISE_RETURN_IF_ERROR(take(names[i], program.layers[i].output));
   return of_values;
 }
 

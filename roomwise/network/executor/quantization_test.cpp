@@ -84,7 +84,7 @@ TEST(Quantization, HoldsWhatConvolutionsLookAtInEightBits) {
   for (const Layer& layer : program->layers) {
     const auto& of_input = program->values[layer.inputs[0]].eight_bits;
     if (layer.as<Convolution>() != nullptr) convolutions += of_input ? 1 : 0;
-    if (layer.as<AxisGather>() == nullptr) continue;
+    if (layer.as<AxisSlices>() == nullptr) continue;
     ++joins;
     const auto& of_output = program->values[layer.output].eight_bits;
     ASSERT_TRUE(of_output.has_value());
@@ -124,7 +124,7 @@ TEST(Quantization, GivesNearlyTheSame) {
 void expect_no_overflow() {
   Constant ones;
   ones.shape = {16, 32, 3, 3};
-  ones.floats.assign(count_of(ones.shape), 1.0F);
+  ones.floats.assign(element_count(ones.shape), 1.0F);
   GraphBuilder builder;
   auto x = builder.input("picture", {1, 32, 8, 8});
   x = builder.convolution(x, "c", {16, {3, 3}});

@@ -70,7 +70,7 @@ Expected<CatalogueEntry> parse_entry(const Json& json, const std::string& where)
     }
     entry.bytes = json.at("bytes").get<std::uint64_t>();
   }
-  ROOMWISE_CHECK_OK(check(entry, where));
+  ROOMWISE_RETURN_IF_ERROR(check(entry, where));
   return entry;
 }
 

@@ -126,7 +126,7 @@ class Fields {
 
 Expected<TextNetwork> parse_text_network(const Json& object, const std::string& origin) {
   const Fields fields(object, origin + ": text.");
-  ROOMWISE_CHECK_OK(fields.expect_only(
+  ROOMWISE_RETURN_IF_ERROR(fields.expect_only(
       {"network", "merges", "vocabulary", "tokens", "output", "places", "padding", "phrases"}));
   TextNetwork text;
   ROOMWISE_TRY(text.network, fields.text("network", ""));
@@ -166,15 +166,15 @@ Expected<ModelCard> ModelCard::parse(std::string_view json, const std::string& o
     return fail("{}: is not JSON; expected a model card, {{ \"input\": {{ ... }}, ... }}", origin);
   }
   const Fields card(root, origin + ": ");
-  ROOMWISE_CHECK_OK(card.expect_only({"name", "task", "input", "mean", "scale", "outputs", "labels",
-                                      "first_label", "architecture", "license", "source", "sha256",
-                                      "text", "notes"}));
+  ROOMWISE_RETURN_IF_ERROR(card.expect_only({"name", "task", "input", "mean", "scale", "outputs",
+                                             "labels", "first_label", "architecture", "license",
+                                             "source", "sha256", "text", "notes"}));
   ROOMWISE_TRY(const Json input_object, card.object("input"));
   ROOMWISE_TRY(const Json outputs_object, card.object("outputs"));
   const Fields input(input_object, origin + ": input.");
   const Fields outputs(outputs_object, origin + ": outputs.");
-  ROOMWISE_CHECK_OK(input.expect_only({"width", "height", "colors", "fit"}));
-  ROOMWISE_CHECK_OK(outputs.expect_only({"features", "scores", "softmax"}));
+  ROOMWISE_RETURN_IF_ERROR(input.expect_only({"width", "height", "colors", "fit"}));
+  ROOMWISE_RETURN_IF_ERROR(outputs.expect_only({"features", "scores", "softmax"}));
 
   ModelCard result;
   ROOMWISE_TRY(result.name, card.text("name", ""));

@@ -87,7 +87,7 @@ Expected<OnnxGraph> inception_from(const Weights& weights) {
     options.classes = shape[0];
   }
   OnnxGraph graph = inception_v3(options);
-  ROOMWISE_CHECK_OK(apply_weights(graph, weights));
+  ROOMWISE_RETURN_IF_ERROR(apply_weights(graph, weights));
   return graph;
 }
 
@@ -176,7 +176,7 @@ Expected<NetworkFile> read_network_in_floats(const std::filesystem::path& weight
   ROOMWISE_TRY(auto all_labels, labels_for(file.card, weights, labels));
   ROOMWISE_TRY(file.labels, known_labels(file.card, std::move(all_labels)).map_error(in_file));
   ROOMWISE_TRY(file.graph, graph_of(file.card, bytes).map_error(in_file));
-  ROOMWISE_CHECK_OK(fix_input(file.graph, file.card).map_error(in_file));
+  ROOMWISE_RETURN_IF_ERROR(fix_input(file.graph, file.card).map_error(in_file));
   return file;
 }
 

@@ -191,7 +191,7 @@ Expected<void> visit_inner(Span message, std::span<const std::uint64_t> path,
   ROOMWISE_TRY(const auto fields, fields_of(message));
   for (const Field& field : fields) {
     if (field.number != path.front()) continue;
-    ROOMWISE_CHECK_OK(visit_inner(field.bytes, path.subspan(1), visit));
+    ROOMWISE_RETURN_IF_ERROR(visit_inner(field.bytes, path.subspan(1), visit));
   }
   return {};
 }
@@ -205,14 +205,14 @@ Expected<GraphInput> read_value_info(Span message) {
   for (const Field& field : fields) {
     if (field.number == 1) input.name = field.text();
   }
-  ROOMWISE_CHECK_OK(visit_inner(message, kTensor, [&](Span tensor) -> Expected<void> {
+  ROOMWISE_RETURN_IF_ERROR(visit_inner(message, kTensor, [&](Span tensor) -> Expected<void> {
     ROOMWISE_TRY(const auto of_tensor, fields_of(tensor));
     for (const Field& field : of_tensor) {
       if (field.number == 1) input.is_integer = is_integer(static_cast<NumberFormat>(field.value));
     }
     return {};
   }));
-  ROOMWISE_CHECK_OK(visit_inner(message, kDimension, [&](Span dimension) -> Expected<void> {
+  ROOMWISE_RETURN_IF_ERROR(visit_inner(message, kDimension, [&](Span dimension) -> Expected<void> {
     ROOMWISE_TRY(const auto sizes, fields_of(dimension));
     input.shape.push_back(GraphInput::kDynamic);
     for (const Field& size : sizes) {
@@ -267,7 +267,7 @@ Expected<OnnxGraph> read_onnx_graph(Span onnx) {
   OnnxGraph graph;
   ROOMWISE_TRY(const auto model, fields_of(onnx));
   for (const Field& field : model) {
-    if (field.number == 7) ROOMWISE_CHECK_OK(read_graph(field.bytes, graph));
+    if (field.number == 7) ROOMWISE_RETURN_IF_ERROR(read_graph(field.bytes, graph));
     if (field.number != 8) continue;
     // opset_import: 1 names the domain, 2 the version.
     ROOMWISE_TRY(const auto fields, fields_of(field.bytes));

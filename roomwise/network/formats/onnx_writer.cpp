@@ -98,7 +98,7 @@ Expected<void> check(const OnnxGraph& graph) {
     return fail("the network has {} inputs and {} outputs; an ONNX file needs one of each",
                 graph.inputs.size(), graph.outputs.size());
   for (const auto& [name, constant] : graph.constants) {
-    if (constant->size() != count_of(constant->shape)) {
+    if (constant->size() != element_count(constant->shape)) {
       return fail("the tensor \"{}\" has {} values, not those of its shape {}", name,
                   constant->size(), shape_text(constant->shape));
     }
@@ -115,7 +115,7 @@ Expected<void> check(const OnnxGraph& graph) {
 }  // namespace
 
 Expected<Bytes> write_onnx_graph(const OnnxGraph& graph) {
-  ROOMWISE_CHECK_OK(check(graph));
+  ROOMWISE_RETURN_IF_ERROR(check(graph));
   ProtobufWriter message;
   for (const Node& node : graph.nodes) message.add(1, node_message(node).bytes());
   message.add(2, std::string_view("network"));

@@ -63,7 +63,7 @@ class Machine {
       ROOMWISE_TRY(const std::uint64_t opcode, take_number(1));
       opcode_ = static_cast<std::uint8_t>(opcode);
       if (opcode_ == kStop) break;
-      ROOMWISE_CHECK_OK(step());
+      ROOMWISE_RETURN_IF_ERROR(step());
       if (pickle_.values.size() > kMaxValues) return damaged("there are too many objects");
     }
     if (stack_.size() != 1) return damaged("more or less than one object is left");
@@ -274,7 +274,7 @@ class Machine {
         return {};
       }
       case kFloat: {
-        ROOMWISE_CHECK_OK(take_number(8));
+        ROOMWISE_RETURN_IF_ERROR(take_number(8));
         push({Kind::kNumber, 0, {}, {}});
         return {};
       }

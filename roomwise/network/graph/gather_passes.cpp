@@ -7,18 +7,18 @@
 namespace roomwise::network {
 namespace {
 
-using Pick = AxisGather::Pick;
+using Pick = AxisSlices::Pick;
 
 // A 1x1 convolution each of whose outputs is a copy of one input (as some exporters write a channel
 // shuffle), as the gathering that it is.
-std::optional<AxisGather> gather_of(const Convolution& convolution) {
+std::optional<AxisSlices> gather_of(const Convolution& convolution) {
   if (!convolution.is_pointwise() || !convolution.activations.empty() ||
       std::ranges::any_of(convolution.bias, [](float bias) { return bias != 0; })) {
     return std::nullopt;
   }
   const auto inputs = static_cast<std::size_t>(convolution.weights->shape[1]);
   const std::vector<float>& weights = convolution.weights->floats;
-  AxisGather gather;
+  AxisSlices gather;
   for (std::size_t begin = 0; begin < weights.size(); begin += inputs) {
     std::optional<std::size_t> copied;
     for (std::size_t i = 0; i < inputs; ++i) {
@@ -27,7 +27,7 @@ std::optional<AxisGather> gather_of(const Convolution& convolution) {
       copied = i;
     }
     if (!copied) return std::nullopt;
-    gather.picks.push_back({0, *copied});
+    gather.slices.push_back({0, *copied});
   }
   return gather;
 }
@@ -61,28 +61,28 @@ std::optional<Layer> shuffle_of(const Program& program, const Layer& last) {
   }
   const auto groups = static_cast<std::size_t>(split[1]);
   const auto members = static_cast<std::size_t>(split[2]);
-  AxisGather gather;
+  AxisSlices gather;
   for (std::size_t member = 0; member < members; ++member) {
     for (std::size_t group = 0; group < groups; ++group)
-      gather.picks.push_back({0, group * members + member});
+      gather.slices.push_back({0, group * members + member});
   }
   return Layer{std::move(gather), {first->inputs[0]}, last.output, last.node};
 }
 
 // The gathering of a gathering, from where the slices came in the first place.
 void look_through(const Program& program, Layer& layer) {
-  AxisGather& gather = *layer.as<AxisGather>();
+  AxisSlices& gather = *layer.as<AxisSlices>();
   for (std::size_t input = 0; input < layer.inputs.size(); ++input) {
     const Layer* inner = maker_of(program, layer.inputs[input]);
-    if (inner == nullptr || inner->as<AxisGather>() == nullptr) continue;
-    const AxisGather& from = *inner->as<AxisGather>();
-    const bool fills = std::ranges::count(from.picks, AxisGather::kFill, &Pick::input) > 0;
+    if (inner == nullptr || inner->as<AxisSlices>() == nullptr) continue;
+    const AxisSlices& from = *inner->as<AxisSlices>();
+    const bool fills = std::ranges::count(from.slices, AxisSlices::kFill, &Pick::input) > 0;
     if (from.axis != gather.axis || fills) continue;
     const std::size_t offset = layer.inputs.size();
     layer.inputs.insert(layer.inputs.end(), inner->inputs.begin(), inner->inputs.end());
-    for (Pick& pick : gather.picks) {
+    for (Pick& pick : gather.slices) {
       if (pick.input != input) continue;
-      pick = from.picks[pick.index];
+      pick = from.slices[pick.index];
       pick.input += offset;
     }
   }
@@ -90,10 +90,10 @@ void look_through(const Program& program, Layer& layer) {
 
 // Names every input once and only where it is used.
 void tidy_inputs(Layer& layer) {
-  AxisGather& gather = *layer.as<AxisGather>();
+  AxisSlices& gather = *layer.as<AxisSlices>();
   std::vector<ValueId> inputs;
-  for (Pick& pick : gather.picks) {
-    if (pick.input == AxisGather::kFill) continue;
+  for (Pick& pick : gather.slices) {
+    if (pick.input == AxisSlices::kFill) continue;
     const ValueId value = layer.inputs[pick.input];
     const auto found = std::ranges::find(inputs, value);
     pick.input = static_cast<std::size_t>(found - inputs.begin());
@@ -103,21 +103,21 @@ void tidy_inputs(Layer& layer) {
 }
 
 bool is_whole_input(const Program& program, const Layer& layer) {
-  return layer.as<AxisGather>() != nullptr && layer.inputs.size() == 1 &&
+  return layer.as<AxisSlices>() != nullptr && layer.inputs.size() == 1 &&
          concatenates_whole_inputs(program, layer);
 }
 
 }  // namespace
 
 bool concatenates_whole_inputs(const Program& program, const Layer& layer) {
-  const AxisGather& gather = *layer.as<AxisGather>();
+  const AxisSlices& gather = *layer.as<AxisSlices>();
   std::vector<Pick> expected;
   for (std::size_t input = 0; input < layer.inputs.size(); ++input) {
     const auto size =
         static_cast<std::size_t>(program.values[layer.inputs[input]].shape[gather.axis]);
     for (std::size_t i = 0; i < size; ++i) expected.push_back({input, i});
   }
-  return gather.picks == expected;
+  return gather.slices == expected;
 }
 
 void combine_gathers(Program& program) {
@@ -129,7 +129,7 @@ void combine_gathers(Program& program) {
   }
   for (std::size_t i = 0; i < program.layers.size(); ++i) {
     Layer& layer = program.layers[i];
-    if (layer.as<AxisGather>() == nullptr) continue;
+    if (layer.as<AxisSlices>() == nullptr) continue;
     look_through(program, layer);
     tidy_inputs(layer);
     if (!is_whole_input(program, layer)) continue;

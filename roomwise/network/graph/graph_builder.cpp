@@ -91,7 +91,7 @@ GraphBuilder::Value GraphBuilder::add_constant(const std::string& name, Shape sh
 std::string GraphBuilder::add_random(const std::string& name, const Shape& shape, double mean,
                                      double spread) {
   RandomStream random(weights_.seed, {key_of(name)});
-  std::vector<float> values(count_of(shape));
+  std::vector<float> values(element_count(shape));
   const double reach = std::sqrt(3.0) * spread;
   for (float& value : values) value = static_cast<float>(mean + reach * (2 * random.uniform() - 1));
   return add_constant(name, shape, std::move(values));
@@ -105,7 +105,8 @@ GraphBuilder::Value GraphBuilder::convolution(const Value& from, const std::stri
              shape.outputs > 0,
          name, "its channels are no multiple of its groups");
   const Shape weights{shape.outputs, input[1] / shape.groups, shape.kernel[0], shape.kernel[1]};
-  const auto summed = static_cast<double>(count_of(weights)) / static_cast<double>(shape.outputs);
+  const auto summed =
+      static_cast<double>(element_count(weights)) / static_cast<double>(shape.outputs);
   std::vector<Value> inputs{from, add_random(name + ".weight", weights, 0, std::sqrt(2 / summed))};
   if (shape.has_bias) inputs.push_back(add_random(name + ".bias", {shape.outputs}, 0, 0.1));
   Attributes attributes = window_attributes(shape);

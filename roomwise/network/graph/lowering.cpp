@@ -44,10 +44,10 @@ Expected<std::vector<float>> Lowering::floats_input(const Node& node, std::size_
 Expected<bool> Lowering::gives_integers(const decltype(Layer::operation)& operation,
                                         std::span<const ValueId> inputs) const {
   const auto integers = [&](ValueId value) { return is_integer(value); };
-  if (std::holds_alternative<LargestIndex>(operation)) return true;
+  if (std::holds_alternative<ArgMax>(operation)) return true;
   // A condition and indices are whole numbers beside others.
-  if (std::holds_alternative<Lookup>(operation)) inputs = inputs.first(1);
-  if (std::holds_alternative<Selection>(operation)) inputs = inputs.subspan(1);
+  if (std::holds_alternative<Gather>(operation)) inputs = inputs.first(1);
+  if (std::holds_alternative<Where>(operation)) inputs = inputs.subspan(1);
   if (std::ranges::none_of(inputs, integers)) {
     const auto* arithmetic = std::get_if<Arithmetic>(&operation);
     return arithmetic != nullptr && arithmetic->compares();
@@ -56,9 +56,9 @@ Expected<bool> Lowering::gives_integers(const decltype(Layer::operation)& operat
   if (arithmetic != nullptr && arithmetic->operation == Arithmetic::Operator::kDivide)
     return fail("divides whole numbers that depend on the input");
   const bool may_be_whole =
-      arithmetic != nullptr || std::holds_alternative<AxisGather>(operation) ||
+      arithmetic != nullptr || std::holds_alternative<AxisSlices>(operation) ||
       std::holds_alternative<View>(operation) || std::holds_alternative<Permutation>(operation) ||
-      std::holds_alternative<Lookup>(operation) || std::holds_alternative<Selection>(operation);
+      std::holds_alternative<Gather>(operation) || std::holds_alternative<Where>(operation);
   if (!may_be_whole || !std::ranges::all_of(inputs, integers))
     return fail("works on whole numbers, which only shapes and indices may be");
   return true;
@@ -81,26 +81,28 @@ Expected<ValueId> Lowering::in_floats(ValueId value) {
 
 Expected<ValueId> Lowering::add(decltype(Layer::operation) operation, std::vector<ValueId> inputs,
                                 Shape output_shape) {
-  ROOMWISE_CHECK_OK(check_size(output_shape));
+  ROOMWISE_RETURN_IF_ERROR(check_size(output_shape));
   ROOMWISE_TRY(const bool integers, gives_integers(operation, inputs));
   for (ValueId& input : inputs) {
     ROOMWISE_TRY(input, in_floats(input));
   }
-  if (count_of(output_shape) == 0) return fail("gives an empty value");
-  if (const auto* gather = std::get_if<AxisGather>(&operation)) written_ += gather->picks.size();
+  if (element_count(output_shape) == 0) return fail("gives an empty value");
+  if (const auto* gather = std::get_if<AxisSlices>(&operation))
+    constant_elements_ += gather->slices.size();
   program_.values.push_back({std::move(output_shape), nullptr, integers});
   const ValueId output = program_.values.size() - 1;
   program_.layers.push_back({std::move(operation), std::move(inputs), output, node_});
   return output;
 }
 
-Expected<void> Lowering::check_written(std::size_t more) const {
-  if (written_ + more > max_written_) return fail("asks for more constants than any network needs");
+Expected<void> Lowering::check_constant_budget(std::size_t more) const {
+  if (constant_elements_ + more > max_constant_elements_)
+    return fail("asks for more constants than any network needs");
   return {};
 }
 
 ValueId Lowering::add_constant(Constant constant) {
-  written_ += constant.size();
+  constant_elements_ += constant.size();
   Shape shape = constant.shape;
   program_.values.push_back(
       {std::move(shape), std::make_shared<const Constant>(std::move(constant))});
@@ -109,8 +111,8 @@ ValueId Lowering::add_constant(Constant constant) {
 
 Expected<ValueId> Lowering::reshape(ValueId value, const Shape& to) {
   if (shape(value) == to) return value;
-  ROOMWISE_CHECK_OK(check_size(to));
-  if (count_of(shape(value)) != count_of(to)) {
+  ROOMWISE_RETURN_IF_ERROR(check_size(to));
+  if (element_count(shape(value)) != element_count(to)) {
     return fail("cannot bring {} into the shape {}", shape_text(shape(value)), shape_text(to));
   }
   if (constant(value) == nullptr) return add(View{}, {value}, to);
@@ -123,14 +125,14 @@ Expected<ValueId> Lowering::pick(ValueId value, std::size_t axis,
                                  std::span<const std::size_t> indices) {
   Shape picked = shape(value);
   picked[axis] = static_cast<std::int64_t>(indices.size());
-  ROOMWISE_CHECK_OK(check_size(picked));
+  ROOMWISE_RETURN_IF_ERROR(check_size(picked));
   if (constant(value) != nullptr) {
-    ROOMWISE_CHECK_OK(check_written(count_of(picked)));
+    ROOMWISE_RETURN_IF_ERROR(check_constant_budget(element_count(picked)));
     return add_constant(network::pick(*constant(value), axis, indices));
   }
-  AxisGather gather;
+  AxisSlices gather;
   gather.axis = axis;
-  for (const std::size_t index : indices) gather.picks.push_back({0, index});
+  for (const std::size_t index : indices) gather.slices.push_back({0, index});
   return add(std::move(gather), {value}, std::move(picked));
 }
 
@@ -169,7 +171,7 @@ Expected<ValueId> Lowering::select(ValueId condition, ValueId a, ValueId b) {
   }
   ROOMWISE_TRY(const Shape of_both, broadcast(shape(a), shape(b)));
   ROOMWISE_TRY(Shape result, broadcast(shape(condition), of_both));
-  return add(Selection{}, {condition, a, b}, std::move(result));
+  return add(Where{}, {condition, a, b}, std::move(result));
 }
 
 Expected<ValueId> Lowering::expand(ValueId value, const Shape& wanted) {
@@ -177,7 +179,7 @@ Expected<ValueId> Lowering::expand(ValueId value, const Shape& wanted) {
   ROOMWISE_TRY(value, with_rank(value, result.size()));
   for (std::size_t axis = 0; axis < result.size(); ++axis) {
     if (shape(value)[axis] == result[axis]) continue;
-    ROOMWISE_CHECK_OK(check_written(static_cast<std::size_t>(result[axis])));
+    ROOMWISE_RETURN_IF_ERROR(check_constant_budget(static_cast<std::size_t>(result[axis])));
     const std::vector<std::size_t> repeated(static_cast<std::size_t>(result[axis]), 0);
     ROOMWISE_TRY(value, pick(value, axis, repeated));
   }
@@ -190,7 +192,7 @@ ValueId Lowering::add_number(float number) {
   return add_constant(std::move(constant));
 }
 
-Expected<ValueId> Lowering::retyped(ValueId value, bool integers) {
+Expected<ValueId> Lowering::with_type(ValueId value, bool integers) {
   if (is_integer(value) == integers) return value;
   program_.values.push_back({shape(value), nullptr, integers});
   const ValueId output = program_.values.size() - 1;
@@ -258,15 +260,16 @@ Expected<Program> Lowering::run(std::span<const Shape> input_shapes,
     values_[name] = program_.values.size() - 1;
   }
   for (std::size_t i = 0; i < input_shapes.size(); ++i) {
-    ROOMWISE_CHECK_OK(check_size(input_shapes[i]));
+    ROOMWISE_RETURN_IF_ERROR(check_size(input_shapes[i]));
     program_.values.push_back({input_shapes[i], nullptr, graph_.inputs[i].is_integer});
     program_.inputs.push_back(program_.values.size() - 1);
     values_[graph_.inputs[i].name] = program_.inputs.back();
   }
-  for (const auto& [name, constant] : graph_.constants) max_written_ += 4 * constant->size();
+  for (const auto& [name, constant] : graph_.constants)
+    max_constant_elements_ += 4 * constant->size();
   for (const Node& node : graph_.nodes) {
-    ROOMWISE_CHECK_OK(lower_node(node));
-    ROOMWISE_CHECK_OK(check_written());
+    ROOMWISE_RETURN_IF_ERROR(lower_node(node));
+    ROOMWISE_RETURN_IF_ERROR(check_constant_budget());
   }
   for (const std::string& name :
        outputs.empty() ? std::span<const std::string>(graph_.outputs) : outputs) {

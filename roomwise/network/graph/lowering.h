@@ -65,13 +65,13 @@ class Lowering {
   // A single number.
   [[nodiscard]] ValueId add_number(float number);
   // What is computed, as floating-point numbers or as whole ones, which it must then be.
-  [[nodiscard]] Expected<ValueId> retyped(ValueId value, bool is_integer);
+  [[nodiscard]] Expected<ValueId> with_type(ValueId value, bool is_integer);
   // The mean over axes, which stay with the size 1.
   [[nodiscard]] Expected<ValueId> mean(ValueId value, std::vector<std::size_t> axes);
   [[nodiscard]] Expected<ValueId> permute(ValueId value, const std::vector<std::size_t>& axes);
   // Fails where so many numbers or slices more than were written down so far are more than any
   // network needs: a small file can ask for more than any memory holds.
-  [[nodiscard]] Expected<void> check_written(std::size_t more = 0) const;
+  [[nodiscard]] Expected<void> check_constant_budget(std::size_t more = 0) const;
   // Says what the node's output i is.
   void set_output(const Node& node, std::size_t i, ValueId value);
 
@@ -85,8 +85,8 @@ class Lowering {
 
   const OnnxGraph& graph_;
   bool fold_constants_;
-  std::size_t written_ = 0;  // numbers and slices that were written down so far
-  std::size_t max_written_ = std::size_t{1} << 24;
+  std::size_t constant_elements_ = 0;  // numbers and slices that were written down so far
+  std::size_t max_constant_elements_ = std::size_t{1} << 24;
   Program program_;
   std::map<std::string, ValueId> values_;
   std::string node_;
@@ -99,7 +99,7 @@ using OperatorTable = std::map<std::string, LowerNode>;
 [[nodiscard]] const OperatorTable& layer_operators();
 // Products of matrices, and softmax.
 [[nodiscard]] const OperatorTable& product_operators();
-// What moves, reshapes and picks values.
+// What moves, reshapes and slices values.
 [[nodiscard]] const OperatorTable& shape_operators();
 // What is known beforehand: constants, shapes, casts; and what does nothing.
 [[nodiscard]] const OperatorTable& constant_operators();

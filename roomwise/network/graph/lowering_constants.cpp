@@ -38,15 +38,15 @@ Expected<ValueId> lower_constant(Lowering& lowering, const Node& node) {
 Expected<ValueId> lower_constant_of_shape(Lowering& lowering, const Node& node) {
   Constant constant;
   ROOMWISE_TRY(constant.shape, lowering.integers_input(node, 0));
-  ROOMWISE_CHECK_OK(check_size(constant.shape));
-  ROOMWISE_CHECK_OK(lowering.check_written(count_of(constant.shape)));
+  ROOMWISE_RETURN_IF_ERROR(check_size(constant.shape));
+  ROOMWISE_RETURN_IF_ERROR(lowering.check_constant_budget(element_count(constant.shape)));
   const Attribute* value = node.find("value");
   const Constant zero{{}, false, {0}, {}};
   const Constant& one = value != nullptr && value->tensor != nullptr ? *value->tensor : zero;
   if (one.size() != 1) return fail("expected a single number as value");
   constant.is_integer = one.is_integer;
-  if (one.is_integer) constant.integers.assign(count_of(constant.shape), one.integers.front());
-  if (!one.is_integer) constant.floats.assign(count_of(constant.shape), one.floats.front());
+  if (one.is_integer) constant.integers.assign(element_count(constant.shape), one.integers.front());
+  if (!one.is_integer) constant.floats.assign(element_count(constant.shape), one.floats.front());
   return lowering.add_constant(std::move(constant));
 }
 
@@ -162,7 +162,7 @@ Expected<ValueId> lower_cast(Lowering& lowering, const Node& node) {
   if (known == nullptr) {
     if (!to_float && !lowering.is_integer(input))
       return fail("of what depends on the picture to whole numbers is not supported");
-    return lowering.retyped(input, !to_float);
+    return lowering.with_type(input, !to_float);
   }
   Constant cast = *known;
   cast.is_integer = !to_float;

@@ -194,7 +194,7 @@ Expected<ValueId> lower_largest_index(Lowering& lowering, const Node& node) {
     return fail("the last of several largest values is not supported; the first is");
   ROOMWISE_TRY(const std::size_t axis, axis_of(node.integer("axis", 0), shape.size()));
   shape[axis] = 1;
-  ROOMWISE_TRY(ValueId output, lowering.add(LargestIndex{axis}, {input}, shape));
+  ROOMWISE_TRY(ValueId output, lowering.add(ArgMax{axis}, {input}, shape));
   if (node.integer("keepdims", 1) == 0) {
     ROOMWISE_TRY(output, squeezed(lowering, output, {&axis, 1}));
   }

@@ -110,7 +110,7 @@ Expected<ValueId> lower_resize(Lowering& lowering, const Node& node) {
   const Shape shape = lowering.shape(input);
   ROOMWISE_TRY(const ResizeRule rule, rule_of(lowering, node));
   ROOMWISE_TRY(const NewSize size, new_size(lowering, node, shape));
-  ROOMWISE_CHECK_OK(check_size(size.shape));
+  ROOMWISE_RETURN_IF_ERROR(check_size(size.shape));
   if (shape.size() != 4 || size.shape[0] != shape[0] || size.shape[1] != shape[1] ||
       size.shape[2] < 1 || size.shape[3] < 1) {
     return fail("from {} to {} is not supported; height and width may change", shape_text(shape),

@@ -1,4 +1,4 @@
-// What moves, reshapes and picks values.
+// What moves, reshapes and slices values.
 #include <algorithm>
 #include <numeric>
 #include <optional>
@@ -33,14 +33,14 @@ Expected<ValueId> lower_gather(Lowering& lowering, const Node& node) {
   result.insert(result.end(), of_places.begin(), of_places.end());
   result.insert(result.end(), shape.begin() + at + 1, shape.end());
   const ConstantPointer indices = lowering.constant(places);
-  if (indices == nullptr) return lowering.add(Lookup{axis}, {input, places}, std::move(result));
-  std::vector<std::size_t> picks;
+  if (indices == nullptr) return lowering.add(Gather{axis}, {input, places}, std::move(result));
+  std::vector<std::size_t> slices;
   for (const std::int64_t index : indices->integers) {
     if (index < -shape[axis] || index >= shape[axis])
       return fail("its input {} has no index {}", shape_text(shape), index);
-    picks.push_back(static_cast<std::size_t>(index < 0 ? index + shape[axis] : index));
+    slices.push_back(static_cast<std::size_t>(index < 0 ? index + shape[axis] : index));
   }
-  ROOMWISE_TRY(const ValueId picked, lowering.pick(input, axis, picks));
+  ROOMWISE_TRY(const ValueId picked, lowering.pick(input, axis, slices));
   return lowering.reshape(picked, result);
 }
 
@@ -56,7 +56,7 @@ Expected<ValueId> lower_concat(Lowering& lowering, const Node& node) {
   Shape shape = lowering.shape(inputs.front());
   ROOMWISE_TRY(const std::size_t axis, axis_of(node.integer("axis", 1), shape.size()));
   shape[axis] = 0;
-  AxisGather gather;
+  AxisSlices gather;
   gather.axis = axis;
   for (std::size_t input = 0; input < inputs.size(); ++input) {
     Shape part = lowering.shape(inputs[input]);
@@ -65,9 +65,9 @@ Expected<ValueId> lower_concat(Lowering& lowering, const Node& node) {
     const std::int64_t size = std::exchange(part[axis], shape[axis]);
     if (part != shape) return fail("cannot join {} to {}", shape_text(part), shape_text(shape));
     shape[axis] += size;
-    ROOMWISE_CHECK_OK(check_size(shape));
+    ROOMWISE_RETURN_IF_ERROR(check_size(shape));
     for (std::size_t i = 0; i < static_cast<std::size_t>(size); ++i)
-      gather.picks.push_back({input, i});
+      gather.slices.push_back({input, i});
   }
   const auto alike = [&](const ConstantPointer& constant) {
     return constant->is_integer == constants.front()->is_integer;
@@ -165,15 +165,15 @@ Expected<ValueId> lower_pad(Lowering& lowering, const Node& node) {
     if (before > kMax || after > kMax || before < -shape[axis] || after < -shape[axis])
       return fail("its pads {} and {} do not fit {}", before, after, shape_text(shape));
     if (before == 0 && after == 0) continue;
-    AxisGather gather;
+    AxisSlices gather;
     gather.axis = axis;
     gather.fill = fill;
     for (std::int64_t i = -before; i < shape[axis] + after; ++i) {
       const bool inside = i >= 0 && i < shape[axis];
-      gather.picks.push_back(inside ? AxisGather::Pick{0, static_cast<std::size_t>(i)}
-                                    : AxisGather::Pick{AxisGather::kFill, 0});
+      gather.slices.push_back(inside ? AxisSlices::Pick{0, static_cast<std::size_t>(i)}
+                                     : AxisSlices::Pick{AxisSlices::kFill, 0});
     }
-    shape[axis] = static_cast<std::int64_t>(gather.picks.size());
+    shape[axis] = static_cast<std::int64_t>(gather.slices.size());
     ROOMWISE_TRY(value, lowering.add(std::move(gather), {value}, std::move(shape)));
   }
   return value;
@@ -195,11 +195,11 @@ Expected<ValueId> lower_reshape(Lowering& lowering, const Node& node) {
     open = i;
     known[i] = 1;
   }
-  ROOMWISE_CHECK_OK(check_size(known));
+  ROOMWISE_RETURN_IF_ERROR(check_size(known));
   if (open) {
-    const std::size_t rest = count_of(known);
+    const std::size_t rest = element_count(known);
     if (rest == 0) return fail("cannot bring {} into an empty shape", shape_text(shape));
-    wanted[*open] = static_cast<std::int64_t>(count_of(shape) / rest);
+    wanted[*open] = static_cast<std::int64_t>(element_count(shape) / rest);
   }
   return lowering.reshape(input, wanted);
 }

@@ -42,24 +42,24 @@ struct ZeroPads {
   std::int64_t after = 0;
 };
 std::optional<ZeroPads> zero_pads_of(const Program& program, const Layer& layer) {
-  const AxisGather* gather = layer.as<AxisGather>();
+  const AxisSlices* gather = layer.as<AxisSlices>();
   if (gather == nullptr || layer.inputs.size() != 1 || gather->fill != 0 ||
       (gather->axis != 2 && gather->axis != 3) || program.values[layer.output].shape.size() != 4) {
     return std::nullopt;
   }
-  const auto is_fill = [](const AxisGather::Pick& pick) { return pick.input == AxisGather::kFill; };
-  const auto& picks = gather->picks;
-  const auto first = std::ranges::find_if_not(picks, is_fill);
+  const auto is_fill = [](const AxisSlices::Pick& pick) { return pick.input == AxisSlices::kFill; };
+  const auto& slices = gather->slices;
+  const auto first = std::ranges::find_if_not(slices, is_fill);
   const auto size = static_cast<std::size_t>(program.values[layer.inputs[0]].shape[gather->axis]);
-  const auto before = static_cast<std::size_t>(first - picks.begin());
-  if (picks.size() < before + size) return std::nullopt;
-  for (std::size_t i = 0; i < picks.size(); ++i) {
+  const auto before = static_cast<std::size_t>(first - slices.begin());
+  if (slices.size() < before + size) return std::nullopt;
+  for (std::size_t i = 0; i < slices.size(); ++i) {
     const bool inside = i >= before && i < before + size;
-    if (inside ? picks[i] != AxisGather::Pick{0, i - before} : !is_fill(picks[i]))
+    if (inside ? slices[i] != AxisSlices::Pick{0, i - before} : !is_fill(slices[i]))
       return std::nullopt;
   }
   return ZeroPads{gather->axis - 2, static_cast<std::int64_t>(before),
-                  static_cast<std::int64_t>(picks.size() - before - size)};
+                  static_cast<std::int64_t>(slices.size() - before - size)};
 }
 
 // A constant with one number a channel (or one for all) of a value of `shape`.

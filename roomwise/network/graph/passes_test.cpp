@@ -150,7 +150,7 @@ TEST(Passes, LeaveTwoConvolutionsAndTwoGathers) {
   EXPECT_EQ(count<Activation>(program), 0u);
   EXPECT_EQ(count<View>(program), 0u);
   EXPECT_EQ(count<Permutation>(program), 0u);
-  EXPECT_EQ(count<AxisGather>(program), 2u) << "what is scaled, and the output";
+  EXPECT_EQ(count<AxisSlices>(program), 2u) << "what is scaled, and the output";
   EXPECT_EQ(count<Arithmetic>(program), 1u);
   EXPECT_EQ(program.layers.size(), 5u);
 }

@@ -4,7 +4,7 @@
 
 namespace roomwise::network {
 
-std::size_t count_of(const Shape& shape) {
+std::size_t element_count(const Shape& shape) {
   std::size_t count = 1;
   for (const std::int64_t size : shape) count *= static_cast<std::size_t>(size);
   return count;
@@ -31,7 +31,7 @@ Expected<Shape> broadcast(const Shape& a, const Shape& b) {
     }
     result[result.size() - 1 - i] = of_a == 1 ? of_b : of_a;
   }
-  ROOMWISE_CHECK_OK(check_size(result));
+  ROOMWISE_RETURN_IF_ERROR(check_size(result));
   return result;
 }
 

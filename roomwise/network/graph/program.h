@@ -99,22 +99,22 @@ struct Arithmetic {
 };
 
 // The second input where the first is not 0, else the third. Their shapes broadcast.
-struct Selection {};
+struct Where {};
 
 // The slices of the first input along `axis` that the second names; its axes stand in the place of
 // that axis.
-struct Lookup {
+struct Gather {
   std::size_t axis = 0;
 };
 
 // Where along `axis`, which stays with the size 1, the largest value is (the first of several).
-struct LargestIndex {
+struct ArgMax {
   std::size_t axis = 0;
 };
 
 // The output's slices along `axis`, each a slice of an input or all `fill`: what joins, splits,
 // slices, pads and shuffles. The inputs agree in all other sizes.
-struct AxisGather {
+struct AxisSlices {
   static constexpr std::size_t kFill = static_cast<std::size_t>(-1);
   struct Pick {
     std::size_t input = 0;  // index into the layer's inputs, or kFill
@@ -122,7 +122,7 @@ struct AxisGather {
     bool operator==(const Pick&) const = default;
   };
   std::size_t axis = 1;
-  std::vector<Pick> picks;
+  std::vector<Pick> slices;
   float fill = 0;
 };
 
@@ -159,8 +159,8 @@ struct Mean {
 };
 
 struct Layer {
-  std::variant<Convolution, Pooling, Activation, Arithmetic, AxisGather, MatrixProduct, Softmax,
-               Resampling, View, Permutation, Mean, Selection, Lookup, LargestIndex>
+  std::variant<Convolution, Pooling, Activation, Arithmetic, AxisSlices, MatrixProduct, Softmax,
+               Resampling, View, Permutation, Mean, Where, Gather, ArgMax>
       operation;
   std::vector<ValueId> inputs;
   ValueId output = 0;
@@ -183,7 +183,7 @@ struct Program {
   std::vector<ValueId> outputs;
 };
 
-[[nodiscard]] std::size_t count_of(const Shape& shape);
+[[nodiscard]] std::size_t element_count(const Shape& shape);
 // Fails where a value of this shape would be larger than anything that a network needs (a
 // gigabyte).
 [[nodiscard]] Expected<void> check_size(const Shape& shape);

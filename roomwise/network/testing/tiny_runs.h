@@ -28,7 +28,7 @@ inline std::vector<float> random_values(std::size_t count, std::uint64_t seed) {
 }
 
 inline Tensor random_tensor(const Shape& shape, std::uint64_t seed = 1) {
-  return {shape, random_values(count_of(shape), seed)};
+  return {shape, random_values(element_count(shape), seed)};
 }
 
 // A tensor of random weights.

@@ -89,9 +89,9 @@ constexpr const char* kWordCard = R"({
 inline Expected<void> write_word_networks(const std::filesystem::path& folder) {
   ROOMWISE_TRY(const Bytes pictures, write_onnx_graph(picture_network_of_words()));
   ROOMWISE_TRY(const Bytes texts, write_onnx_graph(text_network_of_words()));
-  ROOMWISE_CHECK_OK(write_file(folder / "words.onnx", pictures));
-  ROOMWISE_CHECK_OK(write_file(folder / "words-text.onnx", texts));
-  ROOMWISE_CHECK_OK(write_file(folder / "words-merges.txt", std::string(kWordMerges)));
+  ROOMWISE_RETURN_IF_ERROR(write_file(folder / "words.onnx", pictures));
+  ROOMWISE_RETURN_IF_ERROR(write_file(folder / "words-text.onnx", texts));
+  ROOMWISE_RETURN_IF_ERROR(write_file(folder / "words-merges.txt", std::string(kWordMerges)));
   return write_file(folder / "words.card.json", std::string(kWordCard));
 }
 

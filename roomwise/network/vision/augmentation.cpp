@@ -123,15 +123,15 @@ Expected<void> check_range(const char* name, double value, double least, double 
 }  // namespace
 
 Expected<void> AugmentationOptions::validate() const {
-  ROOMWISE_CHECK_OK(check_range("exposure_stops", exposure_stops, 0, 4));
-  ROOMWISE_CHECK_OK(check_range("lamp_mired", lamp_mired, 0, kMaxLampMired));
-  ROOMWISE_CHECK_OK(check_range("tint_stops", tint_stops, 0, 1));
-  ROOMWISE_CHECK_OK(check_range("blur", blur, 0, 0.05));
-  ROOMWISE_CHECK_OK(check_range("noise", noise, 0, 0.5));
-  ROOMWISE_CHECK_OK(check_range("gamma_stops", gamma_stops, 0, 1));
-  ROOMWISE_CHECK_OK(check_range("min_side", min_side, 0.1, 1));
-  ROOMWISE_CHECK_OK(check_range("roll_deg", roll_deg, 0, 45));
-  ROOMWISE_CHECK_OK(check_range("pan_deg", pan_deg, 0, 30));
+  ROOMWISE_RETURN_IF_ERROR(check_range("exposure_stops", exposure_stops, 0, 4));
+  ROOMWISE_RETURN_IF_ERROR(check_range("lamp_mired", lamp_mired, 0, kMaxLampMired));
+  ROOMWISE_RETURN_IF_ERROR(check_range("tint_stops", tint_stops, 0, 1));
+  ROOMWISE_RETURN_IF_ERROR(check_range("blur", blur, 0, 0.05));
+  ROOMWISE_RETURN_IF_ERROR(check_range("noise", noise, 0, 0.5));
+  ROOMWISE_RETURN_IF_ERROR(check_range("gamma_stops", gamma_stops, 0, 1));
+  ROOMWISE_RETURN_IF_ERROR(check_range("min_side", min_side, 0.1, 1));
+  ROOMWISE_RETURN_IF_ERROR(check_range("roll_deg", roll_deg, 0, 45));
+  ROOMWISE_RETURN_IF_ERROR(check_range("pan_deg", pan_deg, 0, 30));
   return check_range("tilt_deg", tilt_deg, 0, 30);
 }
 

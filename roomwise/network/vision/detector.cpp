@@ -22,7 +22,7 @@ Expected<std::unique_ptr<Detector>> Detector::load(
   detector->labels_ = std::move(file.labels);
   detector->fingerprint_ = std::move(file.fingerprint);
   const image::ColorImage black(detector->card().input_width_px, detector->card().input_height_px);
-  ROOMWISE_CHECK_OK(detector->detect(black, 1).map_error(in_file));
+  ROOMWISE_RETURN_IF_ERROR(detector->detect(black, 1).map_error(in_file));
   return detector;
 }
 

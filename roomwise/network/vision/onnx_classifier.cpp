@@ -100,7 +100,7 @@ Expected<std::unique_ptr<OnnxClassifier>> OnnxClassifier::create(
   classifier->labels_ = std::move(file.labels);
   classifier->fingerprint_ = std::move(file.fingerprint);
   classifier->outputs_ = std::move(outputs);
-  ROOMWISE_CHECK_OK(classifier->probe().map_error(in_file));
+  ROOMWISE_RETURN_IF_ERROR(classifier->probe().map_error(in_file));
   return classifier;
 }
 

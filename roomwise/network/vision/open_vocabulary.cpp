@@ -108,7 +108,7 @@ Expected<std::unique_ptr<OpenVocabulary>> OpenVocabulary::load(
     made_of.push_back(sha256_hex(list));
   }
   both->fingerprint_ = digest_of(std::move(made_of), text);
-  ROOMWISE_CHECK_OK(both->probe().map_error(in(pictures)));
+  ROOMWISE_RETURN_IF_ERROR(both->probe().map_error(in(pictures)));
   return both;
 }
 

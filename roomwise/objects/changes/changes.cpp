@@ -265,11 +265,11 @@ Expected<void> ChangeOptions::validate() const {
     if (share >= 0 && share <= 1) return {};
     return fail("{} is {}; expected a share, 0 to 1", what, share);
   };
-  ROOMWISE_CHECK_OK(check_share(min_decided, "min_decided"));
-  ROOMWISE_CHECK_OK(check_share(min_gone, "min_gone"));
-  ROOMWISE_CHECK_OK(check_share(min_moved_gone_share, "min_moved_gone_share"));
-  ROOMWISE_CHECK_OK(check_share(min_shifted_gone_share, "min_shifted_gone_share"));
-  ROOMWISE_CHECK_OK(check_share(same_place, "same_place"));
+  ROOMWISE_RETURN_IF_ERROR(check_share(min_decided, "min_decided"));
+  ROOMWISE_RETURN_IF_ERROR(check_share(min_gone, "min_gone"));
+  ROOMWISE_RETURN_IF_ERROR(check_share(min_moved_gone_share, "min_moved_gone_share"));
+  ROOMWISE_RETURN_IF_ERROR(check_share(min_shifted_gone_share, "min_shifted_gone_share"));
+  ROOMWISE_RETURN_IF_ERROR(check_share(same_place, "same_place"));
   if (min_views < 1) return fail("min_views is {}; expected at least 1", min_views);
   if (!(min_moved_distance_m >= 0 && std::isfinite(min_moved_distance_m))) {
     return fail("min_moved_distance_m is {}; expected 0 m or more", min_moved_distance_m);

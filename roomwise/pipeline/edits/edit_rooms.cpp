@@ -22,9 +22,9 @@ StoredEdit edit_by(const EditAuthor& author, EditKind kind) {
 Expected<home::EditId> record(home::Home& home, StoredEdit edit,
                               const std::function<Expected<void>()>& work) {
   home::EditId id = 0;
-  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+  ROOMWISE_RETURN_IF_ERROR(home.atomically([&]() -> Expected<void> {
     ROOMWISE_TRY(const RoomTables before, read_room_tables(home));
-    ROOMWISE_CHECK_OK(work());
+    ROOMWISE_RETURN_IF_ERROR(work());
     ROOMWISE_TRY(const RoomTables after, read_room_tables(home));
     edit.before = changed_tables(before, after);
     ROOMWISE_TRY(id, home.add_edit(edit.row()));
@@ -40,8 +40,8 @@ Expected<void> check_has_room(const home::Home& home, const std::string& name) {
 }
 
 Expected<void> check_is_new(const home::Home& home, const std::string& name) {
-  ROOMWISE_CHECK_OK(validate_spoken_name(name));
-  ROOMWISE_CHECK_OK(recording::validate_room_name(name));
+  ROOMWISE_RETURN_IF_ERROR(validate_spoken_name(name));
+  ROOMWISE_RETURN_IF_ERROR(recording::validate_room_name(name));
   if (!check_has_room(home, name)) return {};
   return fail("there is a room '{}' already", name);
 }
@@ -203,7 +203,7 @@ Expected<void> drop_rooms_without_frames(home::Home& home, const RoomTables& bef
   for (const std::string& room : keep) without.erase(room);
   if (without.empty()) return {};
   for (const std::string& room : without) {
-    ROOMWISE_CHECK_OK(move_object_claims(home, room, std::nullopt));
+    ROOMWISE_RETURN_IF_ERROR(move_object_claims(home, room, std::nullopt));
   }
   ROOMWISE_TRY(auto rooms, home.rooms());
   std::erase_if(rooms, [&](const rooms::Room& room) { return without.contains(room.name); });
@@ -214,9 +214,9 @@ Expected<void> drop_rooms_without_frames(home::Home& home, const RoomTables& bef
 
 Expected<home::EditId> rename_room(home::Home& home, const EditAuthor& author,
                                    const std::string& room, const std::string& new_name) {
-  ROOMWISE_CHECK_OK(check_has_room(home, room));
+  ROOMWISE_RETURN_IF_ERROR(check_has_room(home, room));
   if (room == new_name) return fail("the room is called '{}' already", room);
-  ROOMWISE_CHECK_OK(check_is_new(home, new_name));
+  ROOMWISE_RETURN_IF_ERROR(check_is_new(home, new_name));
   StoredEdit edit = edit_by(author, EditKind::kRenameRoom);
   edit.change.old_name = room;
   edit.change.room = new_name;
@@ -225,8 +225,8 @@ Expected<home::EditId> rename_room(home::Home& home, const EditAuthor& author,
 
 Expected<home::EditId> set_room_type(home::Home& home, const EditAuthor& author,
                                      const std::string& room, const std::string& type) {
-  ROOMWISE_CHECK_OK(check_has_room(home, room));
-  ROOMWISE_CHECK_OK(validate_spoken_name(type));
+  ROOMWISE_RETURN_IF_ERROR(check_has_room(home, room));
+  ROOMWISE_RETURN_IF_ERROR(validate_spoken_name(type));
   ROOMWISE_TRY(auto rooms, home.rooms());
   const auto changed = std::ranges::find(rooms, room, &rooms::Room::name);
   if (changed->type == type) return fail("the room {} is a {} already", room, type);
@@ -250,12 +250,12 @@ Expected<void> name_frames(home::Home& home, const EditAuthor& author, home::Rec
     const auto recording = std::ranges::find(recordings, walk, &home::StoredRecording::id);
     if (recording == recordings.end()) return fail("this home has no recording {}", walk);
     for (const recording::RoomRange& range : labels.ranges()) {
-      ROOMWISE_CHECK_OK(validate_spoken_name(range.room));
+      ROOMWISE_RETURN_IF_ERROR(validate_spoken_name(range.room));
     }
     ROOMWISE_TRY(const RoomTables before, read_room_tables(home));
     ROOMWISE_TRY(const auto rooms, home.rooms());
     for (const auto& [room, name] : renamed_rooms(before.ranges, walk, labels, rooms)) {
-      if (!keep.contains(room)) ROOMWISE_CHECK_OK(rename_room(home, author, room, name));
+      if (!keep.contains(room)) ROOMWISE_RETURN_IF_ERROR(rename_room(home, author, room, name));
     }
     ROOMWISE_TRY(const RoomTables renamed, read_room_tables(home));
     if (renamed.ranges.at(walk) == labels.ranges()) return {};
@@ -263,7 +263,7 @@ Expected<void> name_frames(home::Home& home, const EditAuthor& author, home::Rec
     edit.change.name = recording->recording.name;
     return record(home, std::move(edit),
                   [&]() -> Expected<void> {
-                    ROOMWISE_CHECK_OK(name_rooms(home, walk, labels));
+                    ROOMWISE_RETURN_IF_ERROR(name_rooms(home, walk, labels));
                     return drop_rooms_without_frames(home, renamed, keep);
                   })
         .map([](home::EditId) {});
@@ -272,15 +272,17 @@ Expected<void> name_frames(home::Home& home, const EditAuthor& author, home::Rec
 
 Expected<home::EditId> remove_room(home::Home& home, const EditAuthor& author,
                                    const std::string& room) {
-  ROOMWISE_CHECK_OK(check_has_room(home, room));
+  ROOMWISE_RETURN_IF_ERROR(check_has_room(home, room));
   StoredEdit edit = edit_by(author, EditKind::kRemoveRoom);
   edit.change.room = room;
   return record(home, std::move(edit), [&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(change_room_ranges(home, [&](auto, RoomRanges& ranges) -> Expected<void> {
-      std::erase_if(ranges, [&](const recording::RoomRange& range) { return range.room == room; });
-      return {};
-    }));
-    ROOMWISE_CHECK_OK(move_object_claims(home, room, std::nullopt));
+    ROOMWISE_RETURN_IF_ERROR(
+        change_room_ranges(home, [&](auto, RoomRanges& ranges) -> Expected<void> {
+          std::erase_if(ranges,
+                        [&](const recording::RoomRange& range) { return range.room == room; });
+          return {};
+        }));
+    ROOMWISE_RETURN_IF_ERROR(move_object_claims(home, room, std::nullopt));
     ROOMWISE_TRY(auto rooms, home.rooms());
     std::erase_if(rooms, [&](const rooms::Room& one) { return one.name == room; });
     return home.replace_rooms(rooms);
@@ -289,23 +291,24 @@ Expected<home::EditId> remove_room(home::Home& home, const EditAuthor& author,
 
 Expected<home::EditId> join_rooms(home::Home& home, const EditAuthor& author,
                                   const std::string& kept, const std::string& joined) {
-  ROOMWISE_CHECK_OK(check_has_room(home, kept));
-  ROOMWISE_CHECK_OK(check_has_room(home, joined));
+  ROOMWISE_RETURN_IF_ERROR(check_has_room(home, kept));
+  ROOMWISE_RETURN_IF_ERROR(check_has_room(home, joined));
   if (kept == joined) return fail("the room {} cannot be joined to itself", kept);
   StoredEdit edit = edit_by(author, EditKind::kJoinRooms);
   edit.change.room = kept;
   edit.change.other_room = joined;
   return record(home, std::move(edit), [&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(change_room_ranges(home, [&](auto, RoomRanges& ranges) -> Expected<void> {
-      for (recording::RoomRange& range : ranges) {
-        if (range.room == joined) range.room = kept;
-      }
-      number_visits(ranges);
-      return {};
-    }));
-    ROOMWISE_CHECK_OK(move_object_claims(home, joined, kept));
+    ROOMWISE_RETURN_IF_ERROR(
+        change_room_ranges(home, [&](auto, RoomRanges& ranges) -> Expected<void> {
+          for (recording::RoomRange& range : ranges) {
+            if (range.room == joined) range.room = kept;
+          }
+          number_visits(ranges);
+          return {};
+        }));
+    ROOMWISE_RETURN_IF_ERROR(move_object_claims(home, joined, kept));
     // By an undo they stay in the whole room: which of the two it was is not kept.
-    ROOMWISE_CHECK_OK(rename_where_seen(home, joined, kept));
+    ROOMWISE_RETURN_IF_ERROR(rename_where_seen(home, joined, kept));
     ROOMWISE_TRY(auto rooms, home.rooms());
     std::erase_if(rooms, [&](const rooms::Room& one) { return one.name == joined; });
     return home.replace_rooms(rooms);
@@ -315,9 +318,9 @@ Expected<home::EditId> join_rooms(home::Home& home, const EditAuthor& author,
 Expected<home::EditId> divide_room(home::Home& home, const EditAuthor& author,
                                    const HomeFloor& floor, const std::string& room,
                                    const FloorLine& line, const std::string& new_room) {
-  ROOMWISE_CHECK_OK(check_has_room(home, room));
-  ROOMWISE_CHECK_OK(check_is_new(home, new_room));
-  ROOMWISE_CHECK_OK(check_line(line));
+  ROOMWISE_RETURN_IF_ERROR(check_has_room(home, room));
+  ROOMWISE_RETURN_IF_ERROR(check_is_new(home, new_room));
+  ROOMWISE_RETURN_IF_ERROR(check_line(line));
   const rooms::BorderLine border{new_room, room, line.from_gravity, line.to_gravity};
   ROOMWISE_TRY(const FloorShares shares, floor_shares(home, floor, border));
   if (!shares.now.contains(room)) return fail("the map shows no floor of the room {}", room);
@@ -330,7 +333,7 @@ Expected<home::EditId> divide_room(home::Home& home, const EditAuthor& author,
   ROOMWISE_TRY(edit.places,
                places_of(home, floor.frame, std::array{line.from_gravity, line.to_gravity}));
   return record(home, std::move(edit), [&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(add_room(home, new_room));
+    ROOMWISE_RETURN_IF_ERROR(add_room(home, new_room));
     return rename_frames_by_place(home, floor.frame,
                                   [&](const std::string& of, const Vector2d& point) {
                                     return of == room && border.is_left(point) ? new_room : of;
@@ -341,10 +344,10 @@ Expected<home::EditId> divide_room(home::Home& home, const EditAuthor& author,
 Expected<home::EditId> move_border(home::Home& home, const EditAuthor& author,
                                    const HomeFloor& floor, const std::string& left,
                                    const std::string& right, const FloorLine& line) {
-  ROOMWISE_CHECK_OK(check_has_room(home, left));
-  ROOMWISE_CHECK_OK(check_has_room(home, right));
+  ROOMWISE_RETURN_IF_ERROR(check_has_room(home, left));
+  ROOMWISE_RETURN_IF_ERROR(check_has_room(home, right));
   if (left == right) return fail("a room has no border with itself");
-  ROOMWISE_CHECK_OK(check_line(line));
+  ROOMWISE_RETURN_IF_ERROR(check_line(line));
   const rooms::BorderLine border{left, right, line.from_gravity, line.to_gravity};
   ROOMWISE_TRY(const FloorShares shares, floor_shares(home, floor, border));
   if (shares.changed == 0) {
@@ -375,7 +378,7 @@ Expected<home::EditId> draw_room(home::Home& home, const EditAuthor& author, con
                                  const std::vector<Vector2d>& outline_gravity) {
   constexpr std::size_t kFewest = 3, kMost = 100;
   const bool is_new = !check_has_room(home, room);
-  if (is_new) ROOMWISE_CHECK_OK(check_is_new(home, room));
+  if (is_new) ROOMWISE_RETURN_IF_ERROR(check_is_new(home, room));
   if (outline_gravity.size() < kFewest || outline_gravity.size() > kMost) {
     return fail("an outline needs {} to {} corners, not {}", kFewest, kMost,
                 outline_gravity.size());
@@ -394,7 +397,7 @@ Expected<home::EditId> draw_room(home::Home& home, const EditAuthor& author, con
     }
   }
   return record(home, std::move(edit), [&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(add_room(home, room));
+    ROOMWISE_RETURN_IF_ERROR(add_room(home, room));
     return rename_frames_by_place(home, floor.frame,
                                   [&](const std::string& of, const Vector2d& point) {
                                     return drawn.contains(point) ? room : of;
@@ -405,7 +408,7 @@ Expected<home::EditId> draw_room(home::Home& home, const EditAuthor& author, con
 Expected<home::EditId> add_door(home::Home& home, const EditAuthor& author, const HomeFloor& floor,
                                 const std::array<std::string, 2>& rooms,
                                 const Vector2d& middle_gravity) {
-  for (const std::string& room : rooms) ROOMWISE_CHECK_OK(check_has_room(home, room));
+  for (const std::string& room : rooms) ROOMWISE_RETURN_IF_ERROR(check_has_room(home, room));
   if (rooms[0] == rooms[1])
     return fail("a door leads between two rooms, not from {} to itself", rooms[0]);
   StoredEdit edit = edit_by(author, EditKind::kAddDoor);

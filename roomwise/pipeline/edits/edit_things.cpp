@@ -43,8 +43,8 @@ Expected<home::EditPlace> place_for(const home::Home& home, const ThingTarget& w
 Expected<home::EditId> add_thing(home::Home& home, const EditAuthor& author,
                                  const std::string& name, const ThingTarget& where,
                                  const std::string& note) {
-  ROOMWISE_CHECK_OK(validate_spoken_name(name));
-  ROOMWISE_CHECK_OK(validate_note(note));
+  ROOMWISE_RETURN_IF_ERROR(validate_spoken_name(name));
+  ROOMWISE_RETURN_IF_ERROR(validate_note(note));
   StoredEdit edit{.made_s = author.time_s, .made_by = author.name, .kind = EditKind::kAddThing};
   edit.change.name = name;
   edit.change.note = note;
@@ -56,8 +56,8 @@ Expected<home::EditId> add_thing(home::Home& home, const EditAuthor& author,
 
 Expected<home::EditId> rename_thing(home::Home& home, const EditAuthor& author,
                                     const HomeThing& thing, const std::string& name) {
-  ROOMWISE_CHECK_OK(validate_spoken_name(name));
-  ROOMWISE_CHECK_OK(check_is_there(home, thing));
+  ROOMWISE_RETURN_IF_ERROR(validate_spoken_name(name));
+  ROOMWISE_RETURN_IF_ERROR(check_is_there(home, thing));
   // The same name again says that it is one for certain.
   if (thing.name == name && thing.is_confirmed) return fail("it is called '{}' already", name);
   StoredEdit edit = edit_of(EditKind::kRenameThing, author, thing);
@@ -67,8 +67,8 @@ Expected<home::EditId> rename_thing(home::Home& home, const EditAuthor& author,
 
 Expected<home::EditId> note_thing(home::Home& home, const EditAuthor& author,
                                   const HomeThing& thing, const std::string& note) {
-  ROOMWISE_CHECK_OK(validate_note(note));
-  ROOMWISE_CHECK_OK(check_is_there(home, thing));
+  ROOMWISE_RETURN_IF_ERROR(validate_note(note));
+  ROOMWISE_RETURN_IF_ERROR(check_is_there(home, thing));
   if (thing.note == note) {
     return note.empty() ? fail("the {} has no note to take away", thing.name)
                         : fail("the {} has this note already", thing.name);
@@ -80,7 +80,7 @@ Expected<home::EditId> note_thing(home::Home& home, const EditAuthor& author,
 
 Expected<home::EditId> move_thing(home::Home& home, const EditAuthor& author,
                                   const HomeThing& thing, const ThingTarget& where) {
-  ROOMWISE_CHECK_OK(check_is_there(home, thing));
+  ROOMWISE_RETURN_IF_ERROR(check_is_there(home, thing));
   StoredEdit edit = edit_of(EditKind::kMoveThing, author, thing);
   ROOMWISE_TRY(home::EditPlace place, place_for(home, where, thing.box_keyframe.size_m));
   // It stands as it stood: turned alike.
@@ -96,8 +96,8 @@ Expected<home::EditId> move_thing(home::Home& home, const EditAuthor& author,
 
 Expected<home::EditId> merge_things(home::Home& home, const EditAuthor& author,
                                     const HomeThing& kept, const HomeThing& twin) {
-  ROOMWISE_CHECK_OK(check_is_there(home, kept));
-  ROOMWISE_CHECK_OK(check_is_there(home, twin));
+  ROOMWISE_RETURN_IF_ERROR(check_is_there(home, kept));
+  ROOMWISE_RETURN_IF_ERROR(check_is_there(home, twin));
   StoredEdit edit = edit_of(EditKind::kMergeThings, author, kept);
   const StoredEdit other = edit_of(EditKind::kMergeThings, author, twin);
   const bool is_same = kept.added_by_edit == twin.added_by_edit &&
@@ -112,7 +112,7 @@ Expected<home::EditId> merge_things(home::Home& home, const EditAuthor& author,
 
 Expected<home::EditId> remove_thing(home::Home& home, const EditAuthor& author,
                                     const HomeThing& thing) {
-  ROOMWISE_CHECK_OK(check_is_there(home, thing));
+  ROOMWISE_RETURN_IF_ERROR(check_is_there(home, thing));
   return home.add_edit(edit_of(EditKind::kRemoveThing, author, thing).row());
 }
 

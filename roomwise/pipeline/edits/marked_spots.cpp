@@ -104,7 +104,7 @@ Expected<void> check_spot_name(const home::Home& home, const std::string& name) 
 }
 
 Expected<home::EditId> mark_spot(home::Home& home, const MarkedSpot& spot) {
-  if (!spot.name.empty()) ROOMWISE_CHECK_OK(check_spot_name(home, spot.name));
+  if (!spot.name.empty()) ROOMWISE_RETURN_IF_ERROR(check_spot_name(home, spot.name));
   ROOMWISE_TRY(const auto spots, marked_spots(home));
   const auto earlier = std::ranges::find_if(spots, [&](const MarkedSpot& one) {
     return one.owner == spot.owner && is_called(one, spot.name);
@@ -113,8 +113,8 @@ Expected<home::EditId> mark_spot(home::Home& home, const MarkedSpot& spot) {
     return fail("{} places are marked; forget one first", spots.size());
   }
   home::EditId id = 0;
-  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
-    if (earlier != spots.end()) ROOMWISE_CHECK_OK(home.remove_edit(earlier->id));
+  ROOMWISE_RETURN_IF_ERROR(home.atomically([&]() -> Expected<void> {
+    if (earlier != spots.end()) ROOMWISE_RETURN_IF_ERROR(home.remove_edit(earlier->id));
     ROOMWISE_TRY(id, home.add_edit(row_of(spot)));
     return {};
   }));
@@ -122,7 +122,7 @@ Expected<home::EditId> mark_spot(home::Home& home, const MarkedSpot& spot) {
 }
 
 Expected<void> rename_spot(home::Home& home, home::EditId id, const std::string& name) {
-  ROOMWISE_CHECK_OK(check_spot_name(home, name));
+  ROOMWISE_RETURN_IF_ERROR(check_spot_name(home, name));
   ROOMWISE_TRY(const auto spots, marked_spots(home));
   ROOMWISE_TRY(MarkedSpot spot, find_spot(spots, id));
   const bool is_taken = std::ranges::any_of(spots, [&](const MarkedSpot& one) {
@@ -137,9 +137,9 @@ Expected<void> rename_spot(home::Home& home, home::EditId id, const std::string&
 
 Expected<void> forget_spot(home::Home& home, home::EditId id) {
   ROOMWISE_TRY(const auto spots, marked_spots(home));
-  ROOMWISE_CHECK_OK(find_spot(spots, id));
+  ROOMWISE_RETURN_IF_ERROR(find_spot(spots, id));
   return home.atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(home.remove_edit(id));
+    ROOMWISE_RETURN_IF_ERROR(home.remove_edit(id));
     return home.owe_erasing();
   });
 }

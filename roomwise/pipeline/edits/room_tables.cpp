@@ -88,7 +88,7 @@ Expected<void> restore_ranges(home::Home& home, const Json& changed) {
   for (const home::StoredRecording& recording : recordings) {
     const auto of_walk = changed.find(std::to_string(recording.id));
     if (of_walk == changed.end()) continue;
-    ROOMWISE_CHECK_OK(home.replace_room_ranges(recording.id, ranges_of(*of_walk)));
+    ROOMWISE_RETURN_IF_ERROR(home.replace_room_ranges(recording.id, ranges_of(*of_walk)));
   }
   return {};
 }
@@ -120,12 +120,12 @@ Expected<void> rename_in_classifier(home::Home& home, const std::string& name,
   record->classifier = rooms::RoomClassifier(classifier->network(), rooms, classifier->regression(),
                                              classifier->retrieval())
                            .to_bytes();
-  ROOMWISE_CHECK_OK(home.put_room_classifier(*record));
+  ROOMWISE_RETURN_IF_ERROR(home.put_room_classifier(*record));
   ROOMWISE_TRY(auto pictures, home.visit_pictures());
   for (home::VisitPicture& picture : pictures) {
     if (picture.room == name) picture.room = new_name;
   }
-  ROOMWISE_CHECK_OK(home.replace_visit_pictures(pictures));
+  ROOMWISE_RETURN_IF_ERROR(home.replace_visit_pictures(pictures));
   ROOMWISE_TRY(auto keyframe_rooms, home.keyframe_rooms());
   for (auto& [keyframe, scores] : keyframe_rooms) {
     for (rooms::RoomScore& score : scores) {
@@ -172,9 +172,10 @@ Expected<void> restore_tables(home::Home& home, const std::string& changed) {
     return fail("{}: is damaged: what a change of rooms changed cannot be read", home.file());
   }
   try {
-    if (tables.contains("rooms")) ROOMWISE_CHECK_OK(add_missing_rooms(home, tables["rooms"]));
-    if (tables.contains("ranges")) ROOMWISE_CHECK_OK(restore_ranges(home, tables["ranges"]));
-    if (tables.contains("rooms")) ROOMWISE_CHECK_OK(restore_rooms(home, tables["rooms"]));
+    if (tables.contains("rooms"))
+      ROOMWISE_RETURN_IF_ERROR(add_missing_rooms(home, tables["rooms"]));
+    if (tables.contains("ranges")) ROOMWISE_RETURN_IF_ERROR(restore_ranges(home, tables["ranges"]));
+    if (tables.contains("rooms")) ROOMWISE_RETURN_IF_ERROR(restore_rooms(home, tables["rooms"]));
     if (tables.contains("claims")) return restore_claims(home, tables["claims"]);
   } catch (const Json::exception& error) {
     return fail("{}: is damaged: what a change of rooms changed cannot be read: {}", home.file(),
@@ -190,9 +191,9 @@ Expected<void> change_room_ranges(
   for (const home::StoredRecording& recording : recordings) {
     ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording.id));
     RoomRanges ranges = labels.ranges();
-    ROOMWISE_CHECK_OK(change(recording.id, ranges));
+    ROOMWISE_RETURN_IF_ERROR(change(recording.id, ranges));
     if (ranges == labels.ranges()) continue;
-    ROOMWISE_CHECK_OK(home.replace_room_ranges(recording.id, ranges));
+    ROOMWISE_RETURN_IF_ERROR(home.replace_room_ranges(recording.id, ranges));
   }
   return {};
 }
@@ -207,16 +208,17 @@ Expected<void> change_room_name(home::Home& home, const std::string& name,
   }
   // Both names stand until no range has the old one any more.
   rooms.push_back({new_name, room->type});
-  ROOMWISE_CHECK_OK(home.replace_rooms(rooms));
-  ROOMWISE_CHECK_OK(change_room_ranges(home, [&](auto, RoomRanges& ranges) -> Expected<void> {
-    for (recording::RoomRange& range : ranges) {
-      if (range.room == name) range.room = new_name;
-    }
-    return {};
-  }));
-  ROOMWISE_CHECK_OK(rename_in_classifier(home, name, new_name));
-  ROOMWISE_CHECK_OK(move_object_claims(home, name, new_name));
-  ROOMWISE_CHECK_OK(rename_where_seen(home, name, new_name));
+  ROOMWISE_RETURN_IF_ERROR(home.replace_rooms(rooms));
+  ROOMWISE_RETURN_IF_ERROR(
+      change_room_ranges(home, [&](auto, RoomRanges& ranges) -> Expected<void> {
+        for (recording::RoomRange& range : ranges) {
+          if (range.room == name) range.room = new_name;
+        }
+        return {};
+      }));
+  ROOMWISE_RETURN_IF_ERROR(rename_in_classifier(home, name, new_name));
+  ROOMWISE_RETURN_IF_ERROR(move_object_claims(home, name, new_name));
+  ROOMWISE_RETURN_IF_ERROR(rename_where_seen(home, name, new_name));
   std::erase_if(rooms, [&](const rooms::Room& one) { return one.name == name; });
   return home.replace_rooms(rooms);
 }
@@ -228,7 +230,7 @@ Expected<void> rename_where_seen(home::Home& home, const std::string& name,
     home::OwnThingSighting seen = thing.last_seen;
     if (seen.room != name) continue;
     seen.room = new_name;
-    ROOMWISE_CHECK_OK(home.put_own_thing_sighting(thing.id, seen));
+    ROOMWISE_RETURN_IF_ERROR(home.put_own_thing_sighting(thing.id, seen));
   }
   return {};
 }

@@ -56,7 +56,7 @@ Expected<void> forget_sightings(home::Home& home,
     home::OwnThingSighting seen = thing.last_seen;
     if (!seen.room || is_known(*seen.room)) continue;
     seen.room.reset();
-    ROOMWISE_CHECK_OK(home.put_own_thing_sighting(thing.id, seen));
+    ROOMWISE_RETURN_IF_ERROR(home.put_own_thing_sighting(thing.id, seen));
   }
   return {};
 }
@@ -79,12 +79,12 @@ Expected<StoredEdit> undo_edit(home::Home& home, home::EditId id) {
   ROOMWISE_TRY(const HomeThings things, find_home_things(home));
   const std::string why_not = why_not_undone(edits, edit, things);
   if (!why_not.empty()) return fail("{}", why_not);
-  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+  ROOMWISE_RETURN_IF_ERROR(home.atomically([&]() -> Expected<void> {
     if (edit.kind == EditKind::kRenameRoom) {
       // Also of walks that came since.
-      ROOMWISE_CHECK_OK(change_room_name(home, edit.change.room, edit.change.old_name));
+      ROOMWISE_RETURN_IF_ERROR(change_room_name(home, edit.change.room, edit.change.old_name));
     } else if (is_of_room(edit.kind)) {
-      ROOMWISE_CHECK_OK(restore_tables(home, edit.before));
+      ROOMWISE_RETURN_IF_ERROR(restore_tables(home, edit.before));
     }
     return home.remove_edit(id);
   }));
@@ -117,7 +117,7 @@ Expected<void> forget_removed_rooms(home::Home& home) {
       call_as_later(std::span(edits).subspan(i + 1, earlier - i), edit.change);
       if (is_of_thing(edit.kind)) {
         if (!is_known(now.room)) edit.change.room.clear();
-        ROOMWISE_CHECK_OK(home.replace_edit(edit.row()));
+        ROOMWISE_RETURN_IF_ERROR(home.replace_edit(edit.row()));
         continue;
       }
       // What lies on the floor stays; nothing else is needed to tell of it.
@@ -125,10 +125,10 @@ Expected<void> forget_removed_rooms(home::Home& home) {
                          (now.other_room.empty() || is_known(now.other_room)) &&
                          now.room != now.other_room;
       edit.before.clear();
-      ROOMWISE_CHECK_OK(stays ? home.replace_edit(edit.row()) : home.remove_edit(edit.id));
+      ROOMWISE_RETURN_IF_ERROR(stays ? home.replace_edit(edit.row()) : home.remove_edit(edit.id));
     }
-    ROOMWISE_CHECK_OK(forget_sightings(home, is_known));
-    ROOMWISE_CHECK_OK(home.owe_erasing());
+    ROOMWISE_RETURN_IF_ERROR(forget_sightings(home, is_known));
+    ROOMWISE_RETURN_IF_ERROR(home.owe_erasing());
     ROOMWISE_TRY(const auto records, home.room_classifiers());  // one a network
     for (const home::RoomClassifierRecord& record : records) {
       const auto classifier = rooms::RoomClassifier::from_bytes(record.classifier);

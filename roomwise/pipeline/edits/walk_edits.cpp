@@ -63,8 +63,8 @@ Expected<std::vector<home::StoredRecording>> forget_taken_walks(home::Home& home
     ROOMWISE_TRY(const auto recordings, home.recordings());
     const auto found = std::ranges::find(recordings, walk, &home::StoredRecording::id);
     if (found == recordings.end()) continue;
-    ROOMWISE_CHECK_OK(remove_walk_folder(home, *found));
-    ROOMWISE_CHECK_OK(forget_walk(home, walk));
+    ROOMWISE_RETURN_IF_ERROR(remove_walk_folder(home, *found));
+    ROOMWISE_RETURN_IF_ERROR(forget_walk(home, walk));
     forgotten.push_back(*found);
   }
   return forgotten;

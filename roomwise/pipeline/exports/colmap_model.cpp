@@ -88,8 +88,8 @@ Expected<void> write_colmap_text(const fs::path& folder, const PictureDataset& d
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return fail("{}: cannot be made: {}", folder.string(), error.message());
-  ROOMWISE_CHECK_OK(write_file(folder / "cameras.txt", cameras_file(dataset)));
-  ROOMWISE_CHECK_OK(write_file(folder / "images.txt", images_file(dataset)));
+  ROOMWISE_RETURN_IF_ERROR(write_file(folder / "cameras.txt", cameras_file(dataset)));
+  ROOMWISE_RETURN_IF_ERROR(write_file(folder / "images.txt", images_file(dataset)));
   return write_file(folder / "points3D.txt", points_file(dataset));
 }
 
@@ -97,11 +97,11 @@ Expected<void> write_colmap_text(const fs::path& folder, const PictureDataset& d
 
 Expected<PictureDataset> write_colmap(const home::Home& home, const fs::path& folder,
                                       const DatasetOptions& options, RunContext& run) {
-  ROOMWISE_CHECK_OK(options.validate());
-  ROOMWISE_CHECK_OK(check_new_folder(folder));
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(check_new_folder(folder));
   ROOMWISE_TRY(PictureDataset dataset, dataset_views(home, options));
-  ROOMWISE_CHECK_OK(make_new_folder(folder, [&](const fs::path& partial) -> Expected<void> {
-    ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(make_new_folder(folder, [&](const fs::path& partial) -> Expected<void> {
+    ROOMWISE_RETURN_IF_ERROR(
         write_dataset_pictures(home, {partial / "images", {}}, options, dataset, run));
     return write_colmap_text(partial / "sparse" / "0", dataset);
   }));

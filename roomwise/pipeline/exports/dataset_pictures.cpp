@@ -101,8 +101,8 @@ Expected<PictureDataset> dataset_views(const home::Home& home, const DatasetOpti
 Expected<void> write_dataset_pictures(const home::Home& home, const DatasetFolders& folders,
                                       const DatasetOptions& options, PictureDataset& dataset,
                                       RunContext& run) {
-  ROOMWISE_CHECK_OK(make_folder(folders.pictures));
-  if (!folders.depths.empty()) ROOMWISE_CHECK_OK(make_folder(folders.depths));
+  ROOMWISE_RETURN_IF_ERROR(make_folder(folders.pictures));
+  if (!folders.depths.empty()) ROOMWISE_RETURN_IF_ERROR(make_folder(folders.depths));
   std::set<std::array<std::int64_t, 3>> voxels;
   return in_blocks(
       dataset.views.size(), "writing the pictures", run,
@@ -124,9 +124,9 @@ Expected<void> write_dataset_pictures(const home::Home& home, const DatasetFolde
         const std::string name =
             fmt::format("walk-{}-{:06}", view.walk + 1, view.keyframe.frame_index);
         view.picture = name + (image::is_png(files.picture) ? ".png" : ".jpg");
-        ROOMWISE_CHECK_OK(write_file(folders.pictures / view.picture, files.picture));
+        ROOMWISE_RETURN_IF_ERROR(write_file(folders.pictures / view.picture, files.picture));
         if (!folders.depths.empty()) {
-          ROOMWISE_CHECK_OK(write_file(folders.depths / (name + ".png"), files.depth));
+          ROOMWISE_RETURN_IF_ERROR(write_file(folders.depths / (name + ".png"), files.depth));
         }
         for (DatasetPoint& point : files.points) {
           const Eigen::Array3d voxel = (point.point_world.array() / options.voxel_size_m).floor();

@@ -64,7 +64,7 @@ Expected<void> write_transforms(const fs::path& folder, const PictureDataset& da
   for (const DatasetView& view : dataset.views) {
     json["frames"].push_back(frame_json(view, dataset.walks[view.walk], gravity_from_world));
   }
-  ROOMWISE_CHECK_OK(mapping::write_ply(folder / "sparse_pc.ply", cloud));
+  ROOMWISE_RETURN_IF_ERROR(mapping::write_ply(folder / "sparse_pc.ply", cloud));
   return write_file(folder / "transforms.json",
                     json.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n");
 }
@@ -73,13 +73,13 @@ Expected<void> write_transforms(const fs::path& folder, const PictureDataset& da
 
 Expected<PictureDataset> write_nerfstudio(const home::Home& home, const fs::path& folder,
                                           const DatasetOptions& options, RunContext& run) {
-  ROOMWISE_CHECK_OK(options.validate());
-  ROOMWISE_CHECK_OK(check_new_folder(folder));
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(check_new_folder(folder));
   ROOMWISE_TRY(PictureDataset dataset, dataset_views(home, options));
   ROOMWISE_TRY(const HomeFloor floor, find_home_floor(home, run));
-  ROOMWISE_CHECK_OK(make_new_folder(folder, [&](const fs::path& partial) -> Expected<void> {
-    ROOMWISE_CHECK_OK(write_dataset_pictures(home, {partial / "images", partial / "depths"},
-                                             options, dataset, run));
+  ROOMWISE_RETURN_IF_ERROR(make_new_folder(folder, [&](const fs::path& partial) -> Expected<void> {
+    ROOMWISE_RETURN_IF_ERROR(write_dataset_pictures(home, {partial / "images", partial / "depths"},
+                                                    options, dataset, run));
     return write_transforms(partial, dataset, floor.frame.gravity_from_world);
   }));
   return dataset;

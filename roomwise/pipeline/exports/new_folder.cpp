@@ -29,7 +29,7 @@ Expected<void> check_new_folder(const fs::path& folder) {
 
 Expected<void> make_new_folder(const fs::path& folder,
                                const std::function<Expected<void>(const fs::path&)>& fill) {
-  ROOMWISE_CHECK_OK(check_new_folder(folder));
+  ROOMWISE_RETURN_IF_ERROR(check_new_folder(folder));
   const fs::path name = without_slash(folder);
   fs::path partial = name;
   partial += fmt::format(".partial-{}", ::getpid());

@@ -147,8 +147,8 @@ Expected<void> write_home(const WalkToWrite& one, double voxel_size_m, McapFileW
   }
   log.points = cloud.size();
   if (log.points > 0) {
-    ROOMWISE_CHECK_OK(write_once("/map", foxglove_cloud_schema(),
-                                 foxglove_cloud(one.begin_ns(), kHomeFrame, cloud)));
+    ROOMWISE_RETURN_IF_ERROR(write_once("/map", foxglove_cloud_schema(),
+                                        foxglove_cloud(one.begin_ns(), kHomeFrame, cloud)));
   }
   std::vector<NamedBox> boxes;
   for (std::size_t i = 0; i < one.contents.things.size(); ++i) {
@@ -158,14 +158,14 @@ Expected<void> write_home(const WalkToWrite& one, double voxel_size_m, McapFileW
   }
   log.things = boxes.size();
   if (log.things > 0) {
-    ROOMWISE_CHECK_OK(write_once("/things", foxglove_scene_schema(),
-                                 foxglove_scene(one.begin_ns(), kHomeFrame, boxes)));
+    ROOMWISE_RETURN_IF_ERROR(write_once("/things", foxglove_scene_schema(),
+                                        foxglove_scene(one.begin_ns(), kHomeFrame, boxes)));
   }
   const std::vector<NamedOutline> rooms = outlines_of_rooms(one.contents);
   log.rooms = rooms.size();
   if (log.rooms > 0) {
-    ROOMWISE_CHECK_OK(write_once("/rooms", foxglove_scene_schema(),
-                                 foxglove_outlines(one.begin_ns(), kHomeFrame, rooms)));
+    ROOMWISE_RETURN_IF_ERROR(write_once("/rooms", foxglove_scene_schema(),
+                                        foxglove_outlines(one.begin_ns(), kHomeFrame, rooms)));
   }
   return {};
 }
@@ -176,14 +176,14 @@ Expected<void> write_poses_until(TimestampNs time_ns, const WalkToWrite& one,
   for (; log.poses < one.trajectory_world.size(); ++log.poses) {
     const recording::StampedPose& pose = one.trajectory_world[log.poses];
     if (pose.timestamp_ns > time_ns) break;
-    ROOMWISE_CHECK_OK(writer.write(
+    ROOMWISE_RETURN_IF_ERROR(writer.write(
         channels.transform, pose.timestamp_ns,
         text_of(foxglove_transform(pose.timestamp_ns, kHomeFrame, kCameraFrame,
                                    one.contents.gravity_from_world() * pose.world_from_camera))));
     const auto prompt = one.prompts.find(pose.timestamp_ns);
     if (prompt == one.prompts.end()) continue;
     ++log.prompts;
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(
         writer.write(channels.prompts, prompt->first,
                      text_of(foxglove_log(prompt->first, "roomwise", prompt->second))));
   }
@@ -201,8 +201,8 @@ Expected<void> write_pictures(const WalkToWrite& one, const Channels& channels,
       },
       [&](std::size_t i, const std::string& message) -> Expected<void> {
         const TimestampNs time_ns = one.keyframes[i].timestamp_ns;
-        ROOMWISE_CHECK_OK(write_poses_until(time_ns, one, channels, writer, log));
-        ROOMWISE_CHECK_OK(
+        ROOMWISE_RETURN_IF_ERROR(write_poses_until(time_ns, one, channels, writer, log));
+        ROOMWISE_RETURN_IF_ERROR(
             writer.write(channels.calibration, time_ns,
                          text_of(foxglove_calibration(time_ns, kCameraFrame,
                                                       one.walk().stored.recording.camera))));
@@ -219,17 +219,17 @@ Expected<WalkLog> write_walk_mcap(const home::Home& home, home::RecordingId walk
   const auto catalogue = guide::MessageCatalogue::built_in();
   guide::Wording wording{&catalogue, {}};
   wording.style.language = options.language;
-  ROOMWISE_CHECK_OK(wording.style.validate(catalogue));
+  ROOMWISE_RETURN_IF_ERROR(wording.style.validate(catalogue));
   ROOMWISE_TRY(McapFileWriter writer, McapFileWriter::create(path));
   ROOMWISE_TRY(const WalkToWrite one, walk_to_write(home, walk, wording, run));
   WalkLog log;
   log.keyframes_apart = one.walk().keyframes.size() - one.keyframes.size();
   const Channels channels = Channels::add_to(writer, !one.prompts.empty());
-  ROOMWISE_CHECK_OK(write_home(one, options.voxel_size_m, writer, log, run));
-  ROOMWISE_CHECK_OK(write_pictures(one, channels, writer, log, run));
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(write_home(one, options.voxel_size_m, writer, log, run));
+  ROOMWISE_RETURN_IF_ERROR(write_pictures(one, channels, writer, log, run));
+  ROOMWISE_RETURN_IF_ERROR(
       write_poses_until(one.trajectory_world.back().timestamp_ns, one, channels, writer, log));
-  ROOMWISE_CHECK_OK(writer.finish());
+  ROOMWISE_RETURN_IF_ERROR(writer.finish());
   return log;
 }
 

@@ -48,7 +48,7 @@ Expected<std::optional<motion::FocalLengthFit>> check_focal_length(
     if (seen) views.push_back(*std::move(seen));
     return {};
   };
-  ROOMWISE_CHECK_OK(in_blocks(pairs.size(), "checking the camera", run, read, match, take));
+  ROOMWISE_RETURN_IF_ERROR(in_blocks(pairs.size(), "checking the camera", run, read, match, take));
   const auto timing = run.clock.measure("camera check");
   return motion::fit_focal_length(std::move(views), camera, options);
 }

@@ -317,7 +317,7 @@ std::vector<home::KeyframeId> redundant_of(const CullingVerdicts& verdicts) {
 
 Expected<CullingVerdicts> judge_keyframes(const home::Home& home, home::RecordingId walk,
                                           const CullingOptions& options, RunContext& run) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   ROOMWISE_TRY(const auto recordings, home.recordings());
   if (std::ranges::find(recordings, walk, &home::StoredRecording::id) == recordings.end())
     return fail("{}: has no recording {}", home.file(), walk);
@@ -327,7 +327,7 @@ Expected<CullingVerdicts> judge_keyframes(const home::Home& home, home::Recordin
   const std::size_t block = 4 * run.pool.size();
   run.progress.begin("judging key-frames", candidates.size());
   for (std::size_t first = 0; first < candidates.size(); first += block) {
-    ROOMWISE_CHECK_OK(run.progress.check("judging key-frames"));
+    ROOMWISE_RETURN_IF_ERROR(run.progress.check("judging key-frames"));
     const std::size_t size = std::min(block, candidates.size() - first);
     run.pool.parallel_for(
         size, [&](std::size_t i) { verdicts[first + i] = judge.judge(candidates[first + i]); });
@@ -372,8 +372,8 @@ Expected<void> cull_keyframes(home::Home& home, const std::vector<home::Keyframe
   ROOMWISE_TRY(culling.places, new_places(home, keyframes, poses, solved.edges, ids));
   return home.atomically([&]() -> Expected<void> {
     ROOMWISE_TRY(auto index, take_localizer_index(home));
-    ROOMWISE_CHECK_OK(home.cull_keyframes(culling));
-    if (index) ROOMWISE_CHECK_OK(keep_localizer_index_without(home, *std::move(index), ids));
+    ROOMWISE_RETURN_IF_ERROR(home.cull_keyframes(culling));
+    if (index) ROOMWISE_RETURN_IF_ERROR(keep_localizer_index_without(home, *std::move(index), ids));
     return update_objects(home, settings.objects, lost).map([](const FoundObjects&) {});
   });
 }

@@ -39,9 +39,9 @@ Expected<DenseMap> build_dense_map(const home::Home& home,
                                    const fusion::TsdfOptions& field, RunContext& run) {
   fusion::MapFusionOptions options;
   options.field = field;
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   DenseMap map(options);
-  ROOMWISE_CHECK_OK(map.follow(home, keyframes, run));
+  ROOMWISE_RETURN_IF_ERROR(map.follow(home, keyframes, run));
   return map;
 }
 

@@ -92,7 +92,7 @@ Expected<GravityAlignedMap> build_gravity_aligned_map(const home::Home& home,
   }
   ROOMWISE_TRY(DenseMap dense, build_dense_map(home, keyframes, field, run));
   fusion::TriangleMesh mesh = extract_mesh(dense.field(), fusion::MeshOptions{}, run.pool);
-  ROOMWISE_CHECK_OK(run.progress.check("the surface was extracted"));
+  ROOMWISE_RETURN_IF_ERROR(run.progress.check("the surface was extracted"));
   std::vector<geometry::RigidTransform> cameras;
   for (const home::Keyframe& keyframe : keyframes) {
     cameras.push_back(keyframe.pose.world_from_keyframe);
@@ -121,7 +121,7 @@ Expected<void> validate_cell(double cell_m, double voxel_size_m) {
 
 Expected<std::vector<fusion::OccupancyCell>> occupancy_of(const GravityAlignedMap& map,
                                                           double cell_m, RunContext& run) {
-  ROOMWISE_CHECK_OK(validate_cell(cell_m, map.dense.field().voxel_size_m()));
+  ROOMWISE_RETURN_IF_ERROR(validate_cell(cell_m, map.dense.field().voxel_size_m()));
   return fusion::occupancy_cells(map.dense.field(), map.mesh_world, map.frame.gravity_from_world,
                                  cell_m, run.pool);
 }
@@ -129,11 +129,11 @@ Expected<std::vector<fusion::OccupancyCell>> occupancy_of(const GravityAlignedMa
 Expected<std::vector<fusion::FloorGrid>> floor_grids_of(const GravityAlignedMap& map,
                                                         const fusion::FloorGridOptions& options,
                                                         RunContext& run) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   if (!map.frame.has_floor) {
     return fail("the map shows no floor; walk with the camera tilted down a little");
   }
-  ROOMWISE_CHECK_OK(validate_cell(options.cell_m, map.dense.field().voxel_size_m()));
+  ROOMWISE_RETURN_IF_ERROR(validate_cell(options.cell_m, map.dense.field().voxel_size_m()));
   fusion::FloorGridOptions of_storey = options;
   of_storey.marks_drops = options.marks_drops || map.frame.storeys.are_several();
   std::vector<fusion::FloorGrid> grids;

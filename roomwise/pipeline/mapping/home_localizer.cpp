@@ -63,7 +63,7 @@ HomeLocalizer::HomeLocalizer(MapSettings settings, std::shared_ptr<KeyframesOnDe
 Expected<HomeLocalizer> HomeLocalizer::create(const home::Home& home,
                                               const mapping::LocalizerOptions& options,
                                               RunContext& run) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   ROOMWISE_TRY(const MapSettings settings, measuring_settings(home));
   ROOMWISE_TRY(const auto placed, map_keyframes(home));
   if (placed.empty()) {
@@ -83,7 +83,7 @@ Expected<HomeLocalizer> HomeLocalizer::create(const home::Home& home,
       keyframes->put(next++, std::move(keyframe.measurements));
       return {};
     };
-    ROOMWISE_CHECK_OK(measure_each_keyframe(home, placed, *extractor, settings, run, take));
+    ROOMWISE_RETURN_IF_ERROR(measure_each_keyframe(home, placed, *extractor, settings, run, take));
     new_index = {kIndexName, made_from, index->to_bytes()};
   }
   std::vector<mapping::PlacedKeyframe> poses;
@@ -151,8 +151,8 @@ Expected<motion::FrameMeasurements> HomeLocalizer::measure(const PictureToLocate
                 image.height(), picture.camera.width, picture.camera.height);
   };
   if (auto failed = take_failure()) return Unexpected(*std::move(failed));
-  ROOMWISE_CHECK_OK(check_size(picture.color, "picture"));
-  if (picture.depth) ROOMWISE_CHECK_OK(check_size(*picture.depth, "depth image"));
+  ROOMWISE_RETURN_IF_ERROR(check_size(picture.color, "picture"));
+  if (picture.depth) ROOMWISE_RETURN_IF_ERROR(check_size(*picture.depth, "depth image"));
   if (picture.depth) {
     return measure_frame(picture.color, *picture.depth, picture.camera, *extractor_, settings_);
   }
@@ -163,7 +163,7 @@ Expected<motion::FrameMeasurements> HomeLocalizer::measure(const PictureToLocate
 }
 
 Expected<mapping::Localization> HomeLocalizer::locate_uncalibrated(
-    const image::ColorImage& color, const motion::LensEstimate& lens) const {
+    const image::ColorImage& color, const motion::IntrinsicsEstimate& lens) const {
   geometry::PinholeCamera camera = lens.camera(color.width(), color.height());
   camera.distortion = {};  // pixels are to stay where they are
   ROOMWISE_TRY(const motion::FrameMeasurements measured, measure({color, std::nullopt, camera}));

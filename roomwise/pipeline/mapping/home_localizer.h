@@ -39,7 +39,7 @@ class HomeLocalizer {
   [[nodiscard]] Expected<motion::FrameMeasurements> measure(const PictureToLocate& picture) const;
   // Where a picture was taken by a camera that nobody calibrated, of whose lens this is known.
   [[nodiscard]] Expected<mapping::Localization> locate_uncalibrated(
-      const image::ColorImage& color, const motion::LensEstimate& lens) const;
+      const image::ColorImage& color, const motion::IntrinsicsEstimate& lens) const;
   [[nodiscard]] const mapping::Localizer& localizer() const { return localizer_; }
   // What was measured in a key-frame, by its place among those of the map; null where it cannot be
   // had. Thread-safe.

@@ -28,7 +28,8 @@ Expected<std::shared_ptr<KeyframesOnDemand>> KeyframesOnDemand::create(
   if (!made->keyframes_.empty()) {
     const home::KeyframeId first = made->keyframes_.front().id;
     const auto is_read = made->read(made->keyframes_.front());
-    if (!is_read) ROOMWISE_CHECK_OK(go_on_without(home, first, is_read.error(), made->lost_));
+    if (!is_read)
+      ROOMWISE_RETURN_IF_ERROR(go_on_without(home, first, is_read.error(), made->lost_));
   }
   return made;
 }

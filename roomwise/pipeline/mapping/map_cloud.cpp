@@ -29,7 +29,7 @@ Expected<MapCloud> build_map_cloud(const home::Home& home,
   mapping::UpDirectionEstimator up;
   ROOMWISE_TRY(const auto gravity, stored_gravity(home, keyframes));
   for (const auto& [id, up_world] : gravity) up.add_gravity(up_world);
-  ROOMWISE_CHECK_OK(for_each_keyframe(
+  ROOMWISE_RETURN_IF_ERROR(for_each_keyframe(
       home, keyframes, "building the cloud", run,
       [&](const home::Keyframe& keyframe, const DecodedImages& images) {
         return Seen{makers.at(keyframe.recording).make(images.color, images.depth), images.depth};

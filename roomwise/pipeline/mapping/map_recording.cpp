@@ -23,7 +23,7 @@ namespace {
 // Takes a walk out of which nothing became. It may have been named already.
 Expected<void> drop_walk(home::Home& home, home::RecordingId walk) {
   return home.atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(take_edits_off(home, walk));
+    ROOMWISE_RETURN_IF_ERROR(take_edits_off(home, walk));
     return home.remove_recording(walk);
   });
 }
@@ -34,12 +34,12 @@ Expected<home::StoredRecording> begin_or_resume(home::Home& home, const home::Re
   ROOMWISE_TRY(auto stored, home.recordings());
   // A recording of which nothing was mapped begins anew, perhaps with the right camera now.
   if (!stored.empty() && !stored.back().finished && stored.back().next_frame_index == 0) {
-    ROOMWISE_CHECK_OK(drop_walk(home, stored.back().id));
+    ROOMWISE_RETURN_IF_ERROR(drop_walk(home, stored.back().id));
     stored.pop_back();
   }
   ROOMWISE_TRY(const std::optional<MapSettings> own, stored_map_settings(home));
   if (stored.empty()) {
-    ROOMWISE_CHECK_OK(store_map_settings(home, settings));
+    ROOMWISE_RETURN_IF_ERROR(store_map_settings(home, settings));
   } else if (!own || to_json(*own) != to_json(settings)) {
     return fail("{}: its map was begun with other settings", home.file());
   }
@@ -91,7 +91,8 @@ Expected<void> check_is_new(const home::Home& home, const home::Recording& recor
     const auto images = home.images(keyframe.id);
     const home::Recording& known =
         std::ranges::find(recordings, keyframe.recording, &home::StoredRecording::id)->recording;
-    if (!images) ROOMWISE_CHECK_OK(go_on_without(home, keyframe.id, images.error(), run.lost));
+    if (!images)
+      ROOMWISE_RETURN_IF_ERROR(go_on_without(home, keyframe.id, images.error(), run.lost));
     const auto color = images ? image::decode_color(images->color) : Unexpected(images.error());
     const auto depth = images ? image::decode_depth(images->depth) : Unexpected(images.error());
     const bool is_same = color && depth
@@ -127,16 +128,17 @@ Expected<void> map_frames(recording::FrameSource& source, const home::Home& home
                               frame->device_motion);
     }());
     if (!step.new_keyframes.empty() && !std::exchange(is_begun, true))
-      ROOMWISE_CHECK_OK(check_is_new(home, recording, *frame, run));
+      ROOMWISE_RETURN_IF_ERROR(check_is_new(home, recording, *frame, run));
     {
       const auto timing = run.clock.measure("store");
-      ROOMWISE_CHECK_OK(writer.write(step, [&](std::uint64_t index) -> const image::RgbdFrame& {
-        return index == frame->index ? *frame : *previous;
-      }));
+      ROOMWISE_RETURN_IF_ERROR(
+          writer.write(step, [&](std::uint64_t index) -> const image::RgbdFrame& {
+            return index == frame->index ? *frame : *previous;
+          }));
     }
     for (const mapping::KeyframeId id : step.new_keyframes) {
       const auto& owner = mapper.keyframes()[id].frame_index == frame->index ? frame : previous;
-      ROOMWISE_CHECK_OK(observer.observe(id, owner, source.info().camera));
+      ROOMWISE_RETURN_IF_ERROR(observer.observe(id, owner, source.info().camera));
     }
     previous = frame;
     run.progress.advance(done, fmt::format("{} key-frames", mapper.keyframes().size()));
@@ -254,22 +256,22 @@ Expected<void> finish_map(home::Home& home, const MapSettings& settings, mapping
   if (stage == MapStage::kCulled) return {};
   mapper.release_index();
   if (stage == MapStage::kStored)
-    ROOMWISE_CHECK_OK(solve(home, settings, mapper, walk, run, summary));
+    ROOMWISE_RETURN_IF_ERROR(solve(home, settings, mapper, walk, run, summary));
   if (finders.of_proposals)
-    ROOMWISE_CHECK_OK(redetect_on_proposals(home, *finders.of_proposals, run));
+    ROOMWISE_RETURN_IF_ERROR(redetect_on_proposals(home, *finders.of_proposals, run));
   {
     const auto timing = run.clock.measure("joining objects");
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(
         update_objects(home, settings.objects, run.lost).map([](const FoundObjects&) {}));
   }
   // A map of the paper's method holds no views: its localiser measures them when it is first used.
   if (settings.mapper.method != mapping::MappingMethod::kPaper) {
     const auto timing = run.clock.measure("localiser");
-    ROOMWISE_CHECK_OK(keep_localizer_index(
+    ROOMWISE_RETURN_IF_ERROR(keep_localizer_index(
         home, [&](home::KeyframeId id) { return mapper.measurements(id); }, std::move(before)));
   }
   return home.atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(cull_walk_before(home, settings, run, summary));
+    ROOMWISE_RETURN_IF_ERROR(cull_walk_before(home, settings, run, summary));
     return put_stage(home, walk, MapStage::kCulled);
   });
 }
@@ -289,9 +291,9 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
                                    home::Home& home, const Networks& networks,
                                    const MapSettings& settings, RunContext& run,
                                    const objects::ObjectFinders& finders) {
-  ROOMWISE_CHECK_OK(settings.validate());
+  ROOMWISE_RETURN_IF_ERROR(settings.validate());
   ROOMWISE_TRY(const home::StoredRecording stored, begin_or_resume(home, recording, settings));
-  ROOMWISE_CHECK_OK(go_to_next_frame(source, home, stored));
+  ROOMWISE_RETURN_IF_ERROR(go_to_next_frame(source, home, stored));
   const geometry::PinholeCamera& camera = source.info().camera;
   const auto extractor = features::make_extractor(settings.features, settings.max_keypoints);
   const std::filesystem::path folder = std::filesystem::absolute(home.file()).parent_path();
@@ -299,7 +301,7 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
   ROOMWISE_TRY(std::optional<KeptLocalizerIndex> index, index_before(home, settings));
   std::optional<KnownAppearances> known;
   if (index) known = {index->index.appearances(), index->keyframes};
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       restore_mapper(mapper, home, stored.id, *extractor, settings, run, std::move(known)));
   ROOMWISE_TRY(MapWriter writer, MapWriter::create(home, stored.id, mapper));
   ROOMWISE_TRY(KeyframeObserver observer,
@@ -311,7 +313,7 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
   };
   Expected<void> outcome =
       map_frames(source, home, *extractor, settings, recording, mapper, writer, observer, run);
-  ROOMWISE_CHECK_OK(observer.finish());
+  ROOMWISE_RETURN_IF_ERROR(observer.finish());
   const auto keyframes_of_walk = [&] {
     return mapper.keyframes().size() - writer.first_keyframe();
   };
@@ -320,20 +322,20 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
       return fail("{}; the {} key-frames before it are kept: resume the map to go on",
                   outcome.error().message, keyframes_of_walk());
     }
-    ROOMWISE_CHECK_OK(drop_walk(home, stored.id));
+    ROOMWISE_RETURN_IF_ERROR(drop_walk(home, stored.id));
     return Unexpected(std::move(outcome).error());
   }
   const auto finish = [&]() -> Expected<void> {
     if (keyframes_of_walk() == 0) {
-      ROOMWISE_CHECK_OK(drop_walk(home, stored.id));
+      ROOMWISE_RETURN_IF_ERROR(drop_walk(home, stored.id));
       return fail("{}: no frame has enough features to map; is the lens covered or the room dark?",
                   recording.name);
     }
-    ROOMWISE_CHECK_OK(writer.write_rest());
-    ROOMWISE_CHECK_OK(observer.observe_missing());
+    ROOMWISE_RETURN_IF_ERROR(writer.write_rest());
+    ROOMWISE_RETURN_IF_ERROR(observer.observe_missing());
     ROOMWISE_TRY(summary.focal_length, check_focal_length(mapper, writer.first_keyframe(), camera,
                                                           settings.mapper.seed, run));
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(
         finish_map(home, settings, mapper, stored.id, finders, std::move(index), run, summary));
     {
       ROOMWISE_TRY(const auto keyframes, home.keyframes());
@@ -349,13 +351,13 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
       summary.objects = by_rules.size();
     }
     const auto timing = run.clock.measure("floor");
-    ROOMWISE_CHECK_OK(keep_home_floor(home, run));
+    ROOMWISE_RETURN_IF_ERROR(keep_home_floor(home, run));
     return home.finish_recording(stored.id);
   };
   if (outcome) outcome = finish();
   if (is_error(outcome)) return Unexpected(std::move(outcome).error());
   summary.finished = outcome.has_value();
-  ROOMWISE_CHECK_OK(home.add_stage_timings(run.clock.stages()));
+  ROOMWISE_RETURN_IF_ERROR(home.add_stage_timings(run.clock.stages()));
   ROOMWISE_TRY(const auto recordings, home.recordings());
   summary.walks = recordings.size();
   summary.frames = mapper.frame_count();

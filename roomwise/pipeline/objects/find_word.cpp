@@ -139,7 +139,7 @@ Expected<void> embed_rest(const home::Home& home, std::span<const home::Keyframe
   if (all.absent.empty()) {
     const std::span<const std::string_view> absent = absent_things();
     std::vector<network::Embedding> embeddings;
-    ROOMWISE_CHECK_OK(in_blocks(
+    ROOMWISE_RETURN_IF_ERROR(in_blocks(
         absent.size(), "reading words of absent things", run,
         [&](std::size_t i) -> Expected<std::string_view> { return absent[i]; },
         [&](std::size_t, const std::string_view& thing) { return networks.embed(thing); },

@@ -317,7 +317,7 @@ Expected<HomeThings> find_home_things(const home::Home& home) {
     call_as_later(std::span(edits).subspan(i + 1), edit.change);
     const auto room = std::ranges::find(rooms, edit.change.room, &rooms::Room::name);
     if (room == rooms.end()) edit.change.room.clear();
-    ROOMWISE_CHECK_OK(overlay.apply(edit));
+    ROOMWISE_RETURN_IF_ERROR(overlay.apply(edit));
   }
   return std::move(overlay).take();
 }

@@ -57,7 +57,7 @@ Expected<void> KeyframeObserver::observe(home::KeyframeId keyframe,
     return observation.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   };
   while (!under_way_.empty() && (under_way_.size() > max_waiting || is_ready(under_way_.front()))) {
-    ROOMWISE_CHECK_OK(store_first());
+    ROOMWISE_RETURN_IF_ERROR(store_first());
   }
   return {};
 }
@@ -87,7 +87,7 @@ Expected<void> KeyframeObserver::observe_missing() {
     if (find || std::ranges::any_of(predicted, misses)) {
       const auto images = stored_images(id, find);
       // It stays among those that miss something.
-      if (!images) ROOMWISE_CHECK_OK(go_on_without(*home_, id, images.error(), run_->lost));
+      if (!images) ROOMWISE_RETURN_IF_ERROR(go_on_without(*home_, id, images.error(), run_->lost));
       for (std::size_t i = 0; images && i < networks_->size(); ++i) {
         if (misses(predicted[i])) show_network(id, i, images->color);
       }
@@ -95,16 +95,16 @@ Expected<void> KeyframeObserver::observe_missing() {
         if (misses(looked_at[i])) show_finder(id, i, *images, cameras.at(keyframes[k].recording));
       }
     }
-    while (under_way_.size() > 2 * run_->pool.size()) ROOMWISE_CHECK_OK(store_first());
+    while (under_way_.size() > 2 * run_->pool.size()) ROOMWISE_RETURN_IF_ERROR(store_first());
     run_->progress.advance(k + 1, "");
   }
   run_->progress.end();
-  ROOMWISE_CHECK_OK(finish());
+  ROOMWISE_RETURN_IF_ERROR(finish());
   return go_on;
 }
 
 Expected<void> KeyframeObserver::finish() {
-  while (!under_way_.empty()) ROOMWISE_CHECK_OK(store_first());
+  while (!under_way_.empty()) ROOMWISE_RETURN_IF_ERROR(store_first());
   return {};
 }
 

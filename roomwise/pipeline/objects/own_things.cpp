@@ -85,7 +85,7 @@ Expected<objects::HomeBackground> background_of_home(const home::Home& home,
                                                      RunContext& run) {
   using Features = Expected<std::vector<std::vector<float>>>;
   std::vector<std::vector<float>> places;
-  ROOMWISE_CHECK_OK(for_each_keyframe(
+  ROOMWISE_RETURN_IF_ERROR(for_each_keyframe(
       home, keyframes, "looking at what is usual", run,
       [&](const home::Keyframe&, const DecodedImages& images) -> Features {
         return uncalibrated.place_features(images.color);
@@ -172,7 +172,7 @@ Expected<void> calibrate_own_things(home::Home& home, const Networks& networks,
   ROOMWISE_TRY(const auto prepared, prepare_all(home, things, finder));
   using Scores = Expected<std::vector<objects::OwnThingCandidate>>;
   std::vector<std::vector<double>> scores(things.size());
-  ROOMWISE_CHECK_OK(for_each_keyframe(
+  ROOMWISE_RETURN_IF_ERROR(for_each_keyframe(
       home, keyframes, "comparing with what was taught", run,
       [&](const home::Keyframe&, const DecodedImages& images) -> Scores {
         return finder.find(images.color, prepared);
@@ -238,7 +238,7 @@ Expected<void> check_own_thing_name(const home::Home& home, const std::string& n
 Expected<home::OwnThingId> teach_own_thing(home::Home& home, home::OwnThing thing,
                                            std::span<const objects::ShownThing> shown,
                                            const Networks& networks) {
-  ROOMWISE_CHECK_OK(check_own_thing_name(home, thing.name));
+  ROOMWISE_RETURN_IF_ERROR(check_own_thing_name(home, thing.name));
   if (shown.size() < kMinPicturesShown) {
     return fail("{} pictures show it well enough; {} are needed: show it from all sides",
                 shown.size(), kMinPicturesShown);
@@ -294,7 +294,7 @@ Expected<OwnThingSightings> find_own_things(const home::Home& home, home::Record
                        [&](const home::Keyframe& keyframe) { return keyframe.recording == walk; });
   const std::vector<home::Keyframe> looked_at = spread_evenly(of_walk, kWalkPictures);
   OwnThingSightings last;
-  ROOMWISE_CHECK_OK(for_each_keyframe(
+  ROOMWISE_RETURN_IF_ERROR(for_each_keyframe(
       home, looked_at, "looking for what was taught", run,
       [&](const home::Keyframe& keyframe, const DecodedImages& images) {
         return own_things_in({images.color, images.depth, cameras.at(keyframe.recording),
@@ -315,7 +315,7 @@ Expected<std::size_t> note_own_things(home::Home& home, const OwnThingSightings&
   for (const home::OwnThing& thing : things) {
     const auto found = seen.find(thing.id);
     if (found == seen.end() || !is_news(found->second, thing.last_seen)) continue;
-    ROOMWISE_CHECK_OK(home.put_own_thing_sighting(thing.id, found->second));
+    ROOMWISE_RETURN_IF_ERROR(home.put_own_thing_sighting(thing.id, found->second));
     ++noted;
   }
   return noted;
@@ -335,7 +335,7 @@ Expected<OwnThingLook> look_for_own_things(home::Home& home, const Networks& net
   ROOMWISE_TRY(const auto recordings, home.recordings());
   if (watch == nullptr || recordings.empty()) return look;
   ROOMWISE_TRY(const auto seen, find_own_things(home, recordings.back().id, *watch, run));
-  ROOMWISE_CHECK_OK(note_own_things(home, seen).map([](std::size_t) {}));
+  ROOMWISE_RETURN_IF_ERROR(note_own_things(home, seen).map([](std::size_t) {}));
   look.seen = seen.size();
   return look;
 }

@@ -57,12 +57,13 @@ Expected<void> redetect_on_proposals(home::Home& home,
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   std::map<home::KeyframeId, objects::KeyframeDetections> closer;
   for (const auto& [component, looked] : components) {
-    ROOMWISE_CHECK_OK(run.progress.check("looking closer"));
+    ROOMWISE_RETURN_IF_ERROR(run.progress.check("looking closer"));
     ProposalObservations proposals = [&] {
       const auto timing = run.clock.measure("what stands apart");
       return ProposalObservations(looked, objects::fit_ground_plane(looked));
     }();
-    ROOMWISE_CHECK_OK(look_at_proposals(proposals, home, keyframes, proposal_classifier, run));
+    ROOMWISE_RETURN_IF_ERROR(
+        look_at_proposals(proposals, home, keyframes, proposal_classifier, run));
     const auto lost = run.lost ? run.lost->all() : std::map<home::KeyframeId, std::string>();
     auto detections = proposals.detections();
     for (const objects::ObservedKeyframe& keyframe : looked) {
@@ -75,7 +76,7 @@ Expected<void> redetect_on_proposals(home::Home& home,
   return home.atomically([&]() -> Expected<void> {
     ROOMWISE_TRY(const home::FinderId finder, home.add_region_finder(finder_record()));
     for (const auto& [id, look] : closer) {
-      ROOMWISE_CHECK_OK(home.put_detections(id, finder, look));
+      ROOMWISE_RETURN_IF_ERROR(home.put_detections(id, finder, look));
     }
     return {};
   });

@@ -56,7 +56,7 @@ Expected<std::uint64_t> update_by_rules(home::Home& home, const objects::ObjectR
       return image::decode_depth(images.depth);
     });
     if (!depth) {
-      ROOMWISE_CHECK_OK(go_on_without(home, keyframe.id, depth.error(), lost));
+      ROOMWISE_RETURN_IF_ERROR(go_on_without(home, keyframe.id, depth.error(), lost));
       continue;
     }
     const auto recording =
@@ -74,9 +74,9 @@ Expected<std::uint64_t> update_by_rules(home::Home& home, const objects::ObjectR
         views_there, rules, [&](std::uint64_t id) { return poses.at(id).world_from_keyframe; });
     found.insert(found.end(), there.begin(), there.end());
   }
-  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+  ROOMWISE_RETURN_IF_ERROR(home.atomically([&]() -> Expected<void> {
     for (const objects::KeyframeView& view : views) {
-      ROOMWISE_CHECK_OK(home.put_observations(view.keyframe_id, view.observations));
+      ROOMWISE_RETURN_IF_ERROR(home.put_observations(view.keyframe_id, view.observations));
     }
     return home.replace_paper_objects(found);
   }));
@@ -131,8 +131,8 @@ Expected<std::uint64_t> update_instances(home::Home& home) {
   }
   ROOMWISE_TRY(const auto instances,
                as_visits_left_it(home, std::move(joined), poses_by_id(keyframes)));
-  ROOMWISE_CHECK_OK(home.replace_instances(instances));
-  ROOMWISE_CHECK_OK(keep_home_history(home, history));
+  ROOMWISE_RETURN_IF_ERROR(home.replace_instances(instances));
+  ROOMWISE_RETURN_IF_ERROR(keep_home_history(home, history));
   return instances.size();
 }
 
@@ -140,9 +140,9 @@ Expected<std::uint64_t> update_instances(home::Home& home) {
 
 Expected<FoundObjects> update_objects(home::Home& home, const objects::ObjectRules& rules,
                                       const std::shared_ptr<LostPictures>& lost) {
-  ROOMWISE_CHECK_OK(rules.validate());
+  ROOMWISE_RETURN_IF_ERROR(rules.validate());
   FoundObjects found;
-  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+  ROOMWISE_RETURN_IF_ERROR(home.atomically([&]() -> Expected<void> {
     ROOMWISE_TRY(found.by_rules, update_by_rules(home, rules, lost));
     ROOMWISE_TRY(found.instances, update_instances(home));
     return {};

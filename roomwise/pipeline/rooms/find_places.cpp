@@ -38,7 +38,7 @@ Expected<TimedPlaces> find_places(const HomePlaces& places,
     found.push_back(std::move(place));
     return {};
   };
-  ROOMWISE_CHECK_OK(in_blocks(spans.size(), "finding places", run, span, find, take));
+  ROOMWISE_RETURN_IF_ERROR(in_blocks(spans.size(), "finding places", run, span, find, take));
   return found;
 }
 

@@ -243,7 +243,7 @@ Expected<void> FloorGapOptions::validate() const {
 Expected<std::vector<FloorGap>> find_floor_gaps(const home::Home& home, const HomeLayout& layout,
                                                 std::span<const home::Keyframe> keyframes,
                                                 const FloorGapOptions& options) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   ROOMWISE_TRY(const auto cameras, recording_cameras(home));
   std::vector<FloorView> views;
   for (const home::Keyframe& one : keyframes) {

@@ -158,8 +158,8 @@ Expected<std::optional<rooms::RoomLayout>> find_room_layout(
 
 Expected<HomeLayout> build_home_layout(const home::Home& home,
                                        const rooms::RoomLayoutOptions& options, RunContext& run) {
-  ROOMWISE_CHECK_OK(options.validate());
-  ROOMWISE_CHECK_OK(check_rooms_are_named(home));
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(check_rooms_are_named(home));
   ROOMWISE_TRY(HomeFloor floor, find_home_floor(home, run));
   if (!floor.grid) {
     return fail("{}: the map shows no floor; walk with the camera tilted down a little",

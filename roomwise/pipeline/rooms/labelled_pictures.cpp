@@ -77,7 +77,7 @@ LabelledPicture RecordedPictures::picture(const recording::RecordedPicture& one)
 Expected<void> add_frames(const RecordedPictures& recorded, const recording::RoomLabels& labels,
                           const FrameSelection& selection, const std::vector<std::string>& learned,
                           const std::string& walk_name, std::vector<LabelledPicture>& pictures) {
-  ROOMWISE_CHECK_OK(selection.rooms.check_against(labels));
+  ROOMWISE_RETURN_IF_ERROR(selection.rooms.check_against(labels));
   for (const std::string& room : selection.rooms.rooms) {
     if (!is_learned(room, learned)) return fail("the room '{}' was never learned", room);
   }
@@ -107,7 +107,7 @@ Expected<void> add_frames(const RecordedPictures& recorded, const recording::Roo
       pictures.push_back(std::move(picture));
     }
   }
-  if (pictures.size() == before) ROOMWISE_CHECK_OK(check_not_empty({}));
+  if (pictures.size() == before) ROOMWISE_RETURN_IF_ERROR(check_not_empty({}));
   return {};
 }
 
@@ -123,7 +123,7 @@ Expected<std::vector<LabelledPicture>> select_photos(const fs::path& folder,
     pictures.push_back({[path = photo.path] { return image::read_color(path); }, photo.room,
                         sequence, 0, 0, 0, photo.path.filename().string()});
   }
-  ROOMWISE_CHECK_OK(check_not_empty(pictures));
+  ROOMWISE_RETURN_IF_ERROR(check_not_empty(pictures));
   return pictures;
 }
 
@@ -173,7 +173,7 @@ Expected<std::vector<std::string>> leave_out_damaged(std::vector<LabelledPicture
     }
     return {};
   };
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       in_blocks(pictures.size(), "looking for damage", run, index, why_damaged, take));
   pictures = std::move(whole);
   return damage;

@@ -196,15 +196,15 @@ class FeatureMaker {
 Expected<std::vector<std::vector<std::vector<float>>>> picture_features(
     home::Home& home, const PictureSource& pictures, const network::Classifier& network,
     const WantedVariants& wanted, RunContext& run) {
-  ROOMWISE_CHECK_OK(wanted.options.validate());
+  ROOMWISE_RETURN_IF_ERROR(wanted.options.validate());
   if (wanted.first < 0 || wanted.last > kMaxVariants) {
     return fail("{} variants of each picture are wanted; expected 0 to {}", wanted.last,
                 kMaxVariants);
   }
   FeatureMaker maker(home, pictures, network, wanted, run);
-  ROOMWISE_CHECK_OK(maker.read_kept(home));
+  ROOMWISE_RETURN_IF_ERROR(maker.read_kept(home));
   const Expected<void> made = maker.make_all();
-  ROOMWISE_CHECK_OK(maker.keep(home, made.has_value()));
+  ROOMWISE_RETURN_IF_ERROR(maker.keep(home, made.has_value()));
   if (!made) return Unexpected(made.error());
   return maker.wanted_features();
 }

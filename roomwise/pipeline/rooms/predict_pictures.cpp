@@ -22,7 +22,7 @@ Expected<std::vector<TimedPrediction>> predict_pictures(
     predictions.push_back(std::move(prediction));
     return {};
   };
-  ROOMWISE_CHECK_OK(in_blocks(count, work, run, index, predict, take));
+  ROOMWISE_RETURN_IF_ERROR(in_blocks(count, work, run, index, predict, take));
   return predictions;
 }
 

@@ -249,7 +249,7 @@ Expected<std::vector<RuleResult>> baseline_rules(const home::Home& home,
                                                  const RoomRecognizer& recognizer,
                                                  const BaselineOptions& options, RunContext& run) {
   ROOMWISE_TRY(std::vector<Reference> references, references_of(home, recognizer));
-  ROOMWISE_CHECK_OK(measure(home, references, options, run));
+  ROOMWISE_RETURN_IF_ERROR(measure(home, references, options, run));
   std::vector<std::vector<float>> histograms;
   std::vector<double> ms;
   for (const LabelledPicture& picture : pictures) {

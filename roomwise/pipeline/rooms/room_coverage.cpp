@@ -68,7 +68,7 @@ Expected<void> look_at_tones(const home::Home& home, const std::vector<home::Key
       tones.insert(*found);
     }
   }
-  ROOMWISE_CHECK_OK(for_each_keyframe(
+  ROOMWISE_RETURN_IF_ERROR(for_each_keyframe(
       home, unknown, "looking at the light", run,
       [](const home::Keyframe&, const DecodedImages& images) { return tone_of(images.color); },
       [&](const home::Keyframe& one, PictureTone tone) -> Expected<void> {
@@ -86,7 +86,7 @@ Expected<void> add_lights(const home::Home& home, const std::vector<home::Keyfra
   for (const home::Keyframe& one : keyframes) {
     if (rooms.contains(one.id)) named.push_back(one);
   }
-  ROOMWISE_CHECK_OK(look_at_tones(home, named, known, run));
+  ROOMWISE_RETURN_IF_ERROR(look_at_tones(home, named, known, run));
   std::map<std::pair<std::string, home::RecordingId>, std::vector<PictureTone>> tones;
   for (const home::Keyframe& one : named) {
     tones[{rooms.at(one.id), one.recording}].push_back(known.at({one.id, one.timestamp_ns}));
@@ -207,13 +207,13 @@ std::optional<bool> RoomSeen::by_several_lights() const {
 }
 
 Expected<void> CoverageOptions::validate() const {
-  ROOMWISE_CHECK_OK(floor.validate());
+  ROOMWISE_RETURN_IF_ERROR(floor.validate());
   return learning.validate();
 }
 
 Expected<RoomCoverage> find_room_coverage(const home::Home& home, const CoverageOptions& options,
                                           RunContext& run, PictureTones& known) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   RoomCoverage coverage;
   ROOMWISE_TRY(coverage.walks, home.recordings());
   ROOMWISE_TRY(const auto all_keyframes, home.keyframes());
@@ -235,9 +235,9 @@ Expected<RoomCoverage> find_room_coverage(const home::Home& home, const Coverage
         })));
   }
   ROOMWISE_TRY(coverage.rooms, rooms_by_walk(home, coverage.walks, keyframes, room_of));
-  ROOMWISE_CHECK_OK(add_learned(home, coverage.rooms));
+  ROOMWISE_RETURN_IF_ERROR(add_learned(home, coverage.rooms));
   if (!home.is_locked()) {
-    ROOMWISE_CHECK_OK(add_lights(home, keyframes, room_of, coverage.rooms, known, run));
+    ROOMWISE_RETURN_IF_ERROR(add_lights(home, keyframes, room_of, coverage.rooms, known, run));
   }
   ROOMWISE_TRY(const auto layout, find_home_layout(home, run));
   coverage.knows_floor = layout.has_value();

@@ -429,12 +429,12 @@ Expected<RoomEvaluation> evaluate_rooms(const std::vector<LabelledPicture>& pict
                                         const RoomEvaluationOptions& options, RunContext& run) {
   if (options.pair_step == 0) return fail("the two pictures of a pair must be at least 1 apart");
   Evaluator evaluator(pictures, recognizer, options, run);
-  ROOMWISE_CHECK_OK(evaluator.look());
+  ROOMWISE_RETURN_IF_ERROR(evaluator.look());
   RoomEvaluation evaluation;
   evaluation.features = evaluator.features();
   evaluation.by_walks = !pictures.empty() && pictures.back().walk + 1 >= kWalksToResample;
-  ROOMWISE_CHECK_OK(evaluator.compare_all(places, evaluation.rules));
-  if (!unknown.empty()) ROOMWISE_CHECK_OK(evaluator.unknown(unknown, places, evaluation));
+  ROOMWISE_RETURN_IF_ERROR(evaluator.compare_all(places, evaluation.rules));
+  if (!unknown.empty()) ROOMWISE_RETURN_IF_ERROR(evaluator.unknown(unknown, places, evaluation));
   evaluation.rules.push_back(evaluator.paper_single());
   ROOMWISE_TRY(evaluation.rules.emplace_back(), evaluator.paper_pair(false));
   if (recognizer.naming() != nullptr) {

@@ -61,7 +61,7 @@ Expected<std::size_t> check_visit_pictures(home::Home& home,
     }
     kept.push_back(picture);
   }
-  if (kept.size() < pictures.size()) ROOMWISE_CHECK_OK(home.replace_visit_pictures(kept));
+  if (kept.size() < pictures.size()) ROOMWISE_RETURN_IF_ERROR(home.replace_visit_pictures(kept));
   return pictures.size() - kept.size();
 }
 
@@ -80,7 +80,7 @@ Expected<void> store(home::Home& home, rooms::LearnedRooms& learned,
   std::erase_if(learned_from, [&](const home::Keyframe& keyframe) {
     return std::ranges::find(keyframes, keyframe.id) == keyframes.end();
   });
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       home.put_room_classifier({classifier.network().name, classifier.network().fingerprint,
                                 classifier.to_bytes(), to_json(learned.report, learned_from)}));
   std::map<home::KeyframeId, std::vector<rooms::RoomScore>> rooms_of;
@@ -223,7 +223,7 @@ Expected<rooms::LearnedRooms> learn(std::span<const rooms::RoomSample> samples,
 Expected<home::Home> create_home(const std::filesystem::path& path,
                                  const home::OpenOptions& options) {
   ROOMWISE_TRY(home::Home home, home::Home::create(path, options));
-  ROOMWISE_CHECK_OK(home.replace_concepts(rooms::Concepts::standard()));
+  ROOMWISE_RETURN_IF_ERROR(home.replace_concepts(rooms::Concepts::standard()));
   return home;
 }
 
@@ -232,7 +232,7 @@ Expected<void> name_rooms(home::Home& home, home::RecordingId recording,
   std::set<std::string> names;
   for (const recording::RoomRange& range : labels.ranges()) names.insert(range.room);
   return home.atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(add_rooms(home, names));
+    ROOMWISE_RETURN_IF_ERROR(add_rooms(home, names));
     return home.replace_room_ranges(recording, labels.ranges());
   });
 }
@@ -243,7 +243,7 @@ Expected<rooms::LearningReport> learn_rooms_from_keyframes(home::Home& home,
                                                            const Networks& networks,
                                                            RunContext& run) {
   ROOMWISE_TRY(const auto labels, named_walks(home, learning));
-  ROOMWISE_CHECK_OK(check_rooms(selection, labels));
+  ROOMWISE_RETURN_IF_ERROR(check_rooms(selection, labels));
   ROOMWISE_TRY(const home::NetworkId network_id, stored_features_network(home, networks));
   ROOMWISE_TRY(const auto stored_networks, home.networks());
   ROOMWISE_TRY(const auto predictions, home.predictions(network_id));
@@ -266,7 +266,7 @@ Expected<rooms::LearningReport> learn_rooms_from_keyframes(home::Home& home,
   const home::Network& network = stored_networks.at(network_id);
   const auto lost = std::make_shared<LostPictures>(true);
   if (learning.variants > 0) {
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(
         add_variants(home, network, ids, samples, learning.variants, networks, lost, run));
   }
   if (!learning.photos.empty()) {
@@ -284,8 +284,8 @@ Expected<rooms::LearningReport> learn_rooms_from_keyframes(home::Home& home,
         "but not varied: {}",
         named.size(), fmt::join(named, "; ")));
   }
-  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(add_rooms(home, names_of_rooms(learning.photos)));
+  ROOMWISE_RETURN_IF_ERROR(home.atomically([&]() -> Expected<void> {
+    ROOMWISE_RETURN_IF_ERROR(add_rooms(home, names_of_rooms(learning.photos)));
     return store(home, learned, ids);
   }));
   return learned.report;
@@ -332,8 +332,8 @@ Expected<rooms::LearningReport> learn_rooms_from_photos(home::Home& home,
   ROOMWISE_TRY(const auto samples, samples_of(home, photos, network, learning.variants, run));
   ROOMWISE_TRY(rooms::LearnedRooms learned,
                learn(samples, {network.name(), network.fingerprint()}, learning, run));
-  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(add_rooms(home, names_of_rooms(photos)));
+  ROOMWISE_RETURN_IF_ERROR(home.atomically([&]() -> Expected<void> {
+    ROOMWISE_RETURN_IF_ERROR(add_rooms(home, names_of_rooms(photos)));
     return store(home, learned, {});
   }));
   return learned.report;

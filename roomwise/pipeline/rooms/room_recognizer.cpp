@@ -183,7 +183,7 @@ Expected<rooms::RoomAnswer> RoomRecognizer::paper_decide(
     return *std::move(found);
   };
   const rooms::RoomAnswer answer = rooms::decide(first, second, objects, concepts_, rooms_);
-  ROOMWISE_CHECK_OK(status);
+  ROOMWISE_RETURN_IF_ERROR(status);
   return answer;
 }
 

@@ -13,8 +13,8 @@ Expected<DecodedImages> decode(const home::KeyframeImages& images,
     return fail("the {} image is {}x{}, its camera takes {}x{}", what, image.width(),
                 image.height(), camera.width, camera.height);
   };
-  ROOMWISE_CHECK_OK(check_size(color, "colour"));
-  ROOMWISE_CHECK_OK(check_size(depth, "depth"));
+  ROOMWISE_RETURN_IF_ERROR(check_size(color, "colour"));
+  ROOMWISE_RETURN_IF_ERROR(check_size(depth, "depth"));
   return DecodedImages{std::move(color), std::move(depth)};
 }
 

@@ -55,14 +55,14 @@ template <typename Make, typename Take, typename Lost = NothingInItsPlace>
       [&](std::size_t i) -> Expected<Images> {
         auto images = home.images(keyframes[i].id);
         if (images) return *std::move(images);
-        ROOMWISE_CHECK_OK(without(i, std::move(images).error()));
+        ROOMWISE_RETURN_IF_ERROR(without(i, std::move(images).error()));
         return std::nullopt;
       },
       [&](std::size_t i, const Images& images) -> Expected<std::optional<Made>> {
         if (!images) return std::nullopt;
         const auto decoded = decode(*images, cameras.at(keyframes[i].recording));
         if (decoded) return std::optional<Made>(make(keyframes[i], *decoded));
-        ROOMWISE_CHECK_OK(without(i, decoded.error()));
+        ROOMWISE_RETURN_IF_ERROR(without(i, decoded.error()));
         return std::nullopt;
       },
       [&](std::size_t i, std::optional<Made> made) -> Expected<void> {

@@ -14,10 +14,10 @@ constexpr const char* kSettingsKey = "map";
 
 Expected<void> MapSettings::validate() const {
   if (max_keypoints < 50) return fail("max_keypoints = {} must be at least 50", max_keypoints);
-  ROOMWISE_CHECK_OK(depth.validate());
-  ROOMWISE_CHECK_OK(mapper.validate());
-  ROOMWISE_CHECK_OK(solver.validate());
-  ROOMWISE_CHECK_OK(refinement.validate());
+  ROOMWISE_RETURN_IF_ERROR(depth.validate());
+  ROOMWISE_RETURN_IF_ERROR(mapper.validate());
+  ROOMWISE_RETURN_IF_ERROR(solver.validate());
+  ROOMWISE_RETURN_IF_ERROR(refinement.validate());
   return objects.validate();
 }
 
@@ -69,7 +69,7 @@ Expected<MapSettings> map_settings_from_json(std::string_view json) {
   } catch (const nlohmann::json::exception& error) {
     return fail("the map's settings cannot be read: {}", error.what());
   }
-  ROOMWISE_CHECK_OK(settings.validate());
+  ROOMWISE_RETURN_IF_ERROR(settings.validate());
   return settings;
 }
 

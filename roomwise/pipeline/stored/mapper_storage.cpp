@@ -50,7 +50,7 @@ Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
       known->index.add(keyframe.id, keyframe.measurements.features().features);
       return {};
     };
-    ROOMWISE_CHECK_OK(measure_each_keyframe(home, unknown, extractor, settings, run, index));
+    ROOMWISE_RETURN_IF_ERROR(measure_each_keyframe(home, unknown, extractor, settings, run, index));
     ROOMWISE_TRY(const auto cameras, recording_cameras(home));
     mapper.restore_stored(
         {stored.begin(), stored.begin() + static_cast<std::ptrdiff_t>(first)},
@@ -61,14 +61,14 @@ Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
           auto decoded = home.images(id).and_then(
               [&](const home::KeyframeImages& images) { return decode(images, camera); });
           if (!decoded) {
-            ROOMWISE_CHECK_OK(go_on_without(home, id, std::move(decoded).error(), lost));
+            ROOMWISE_RETURN_IF_ERROR(go_on_without(home, id, std::move(decoded).error(), lost));
             decoded = blank(camera);
           }
           return measure_frame(decoded->color, decoded->depth, camera, extractor, settings);
         });
   }
   const auto rest = std::span(stored).subspan(is_known ? first : 0);
-  ROOMWISE_CHECK_OK(measure_each_keyframe(home, rest, extractor, settings, run, take));
+  ROOMWISE_RETURN_IF_ERROR(measure_each_keyframe(home, rest, extractor, settings, run, take));
   ROOMWISE_TRY(const auto edges, home.edges());
   ROOMWISE_TRY(const auto frames, home.frames(recording));
   mapper.restore(edges, frames, first);

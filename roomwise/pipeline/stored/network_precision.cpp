@@ -148,7 +148,7 @@ Expected<PrecisionCheck> check_precision(home::Home& home, const std::filesystem
   PrecisionCheck check{.eight_bits = std::nullopt, .why = quantized.report.reason};
   if (quantized.report.is_used) check = {quantized.file, quantized.file.checked};
   ROOMWISE_TRY(const std::string text, text_of(check, quantized.file));
-  ROOMWISE_CHECK_OK(home.put_setting(setting_of(quantized.file.sha256), text));
+  ROOMWISE_RETURN_IF_ERROR(home.put_setting(setting_of(quantized.file.sha256), text));
   return check;
 }
 

@@ -232,7 +232,7 @@ Expected<void> take_edits_off(home::Home& home, home::RecordingId walk) {
   for (home::Edit edit : edits) {
     if (edit.what == to_string(EditKind::kTakeWalk)) {
       const auto change = change_of(edit.change);
-      if (change && change->walk == walk) ROOMWISE_CHECK_OK(home.remove_edit(edit.id));
+      if (change && change->walk == walk) ROOMWISE_RETURN_IF_ERROR(home.remove_edit(edit.id));
       continue;
     }
     ROOMWISE_TRY(bool is_changed, drop_names(home, walk, edit));
@@ -244,7 +244,7 @@ Expected<void> take_edits_off(home::Home& home, home::RecordingId walk) {
       place = {place.name, moved->keyframe, {}, moved->box_keyframe};
       is_changed = true;
     }
-    if (is_changed) ROOMWISE_CHECK_OK(home.replace_edit(edit));
+    if (is_changed) ROOMWISE_RETURN_IF_ERROR(home.replace_edit(edit));
   }
   return {};
 }

@@ -38,7 +38,7 @@ Expected<std::vector<mapping::Keyframe>> measure_keyframes(
     measured.push_back(std::move(keyframe));
     return {};
   };
-  ROOMWISE_CHECK_OK(measure_each_keyframe(home, keyframes, extractor, settings, run, keep));
+  ROOMWISE_RETURN_IF_ERROR(measure_each_keyframe(home, keyframes, extractor, settings, run, keep));
   return measured;
 }
 
@@ -77,8 +77,8 @@ Expected<mapping::FindFeatures> stored_keyframe_features(const home::Home& home,
     const auto keep_blank = [&](const home::Keyframe& keyframe) {
       return keep(keyframe, measure(keyframe, blank(cameras.at(keyframe.recording))));
     };
-    ROOMWISE_CHECK_OK(for_each_keyframe(home, keyframes, "finding features again", run, measure,
-                                        keep, keep_blank));
+    ROOMWISE_RETURN_IF_ERROR(for_each_keyframe(home, keyframes, "finding features again", run,
+                                               measure, keep, keep_blank));
     return found;
   };
 }

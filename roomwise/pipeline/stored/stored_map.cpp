@@ -160,9 +160,10 @@ Expected<SolvedMap> solve_stored_map(home::Home& home, const MapSettings& settin
   std::map<home::KeyframeId, home::KeyframePose> poses;
   for (std::size_t id = 0; id < keyframes.size(); ++id)
     poses[id] = {solution_poses[id], solved.solution.component[id]};
-  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+  ROOMWISE_RETURN_IF_ERROR(home.atomically([&]() -> Expected<void> {
     if (solved.refinement && solved.refinement->readout_s)
-      ROOMWISE_CHECK_OK(home.put_readout(recordings.back().id, *solved.refinement->readout_s));
+      ROOMWISE_RETURN_IF_ERROR(
+          home.put_readout(recordings.back().id, *solved.refinement->readout_s));
     return home.replace_poses(poses);
   }));
   return solved;
@@ -170,10 +171,10 @@ Expected<SolvedMap> solve_stored_map(home::Home& home, const MapSettings& settin
 
 Expected<void> forget_walk(home::Home& home, home::RecordingId walk) {
   return home.atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(home.forget_learned_rooms());
-    ROOMWISE_CHECK_OK(take_edits_off(home, walk));
-    ROOMWISE_CHECK_OK(home.remove_recording(walk));
-    ROOMWISE_CHECK_OK(home.owe_erasing());
+    ROOMWISE_RETURN_IF_ERROR(home.forget_learned_rooms());
+    ROOMWISE_RETURN_IF_ERROR(take_edits_off(home, walk));
+    ROOMWISE_RETURN_IF_ERROR(home.remove_recording(walk));
+    ROOMWISE_RETURN_IF_ERROR(home.owe_erasing());
     ROOMWISE_TRY(const auto keyframes, home.keyframes());
     ROOMWISE_TRY(const auto settings, stored_map_settings(home));
     if (keyframes.empty() || !settings) return {};
@@ -192,7 +193,7 @@ Expected<void> forget_walk(home::Home& home, home::RecordingId walk) {
                                      : anchor->second * keyframe.pose.world_from_keyframe,
                             component};
     }
-    ROOMWISE_CHECK_OK(home.replace_poses(poses));
+    ROOMWISE_RETURN_IF_ERROR(home.replace_poses(poses));
     // A picture of another walk that cannot be read must not keep this one from being forgotten.
     return update_objects(home, settings->objects, std::make_shared<LostPictures>(true))
         .map([](const FoundObjects&) {});

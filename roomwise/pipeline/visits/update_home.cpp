@@ -298,9 +298,9 @@ class VisitComparison {
 }  // namespace
 
 Expected<void> UpdateOptions::validate() const {
-  ROOMWISE_CHECK_OK(visit.validate());
-  ROOMWISE_CHECK_OK(instances.validate());
-  ROOMWISE_CHECK_OK(surfaces.validate());
+  ROOMWISE_RETURN_IF_ERROR(visit.validate());
+  ROOMWISE_RETURN_IF_ERROR(instances.validate());
+  ROOMWISE_RETURN_IF_ERROR(surfaces.validate());
   return changes.validate();
 }
 
@@ -308,7 +308,7 @@ Expected<HomeUpdate> compare_with_visit(const home::Home& home, const VisitRecor
                                         const objects::ObjectFinders& finders,
                                         const Networks& networks, const UpdateOptions& options,
                                         RunContext& run) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   if (finders.in_pictures.empty()) {
     return fail("no detector is here to look at the visit; get one: roomwise networks list");
   }
@@ -333,7 +333,7 @@ Expected<HomeUpdate> compare_with_visit(const home::Home& home, const VisitRecor
   HomeUpdate update = comparison.compare(components.at(0), level, frames, options, run);
   run.progress.advance(1, "");
   run.progress.end();
-  ROOMWISE_CHECK_OK(run.progress.check("comparing"));
+  ROOMWISE_RETURN_IF_ERROR(run.progress.check("comparing"));
   return update;
 }
 

@@ -47,7 +47,7 @@ class UpdateHome : public ::testing::Test {
   // Writes a later walk down and compares the home with it.
   Expected<HomeUpdate> visit(const std::optional<DrawnBox>& box) {
     const auto folder = folder_ / fmt::format("visit-{}", visits_++);
-    ROOMWISE_CHECK_OK(write_walk(folder, kFrames, kStep_rad, box));
+    ROOMWISE_RETURN_IF_ERROR(write_walk(folder, kFrames, kStep_rad, box));
     return compare(folder);
   }
   Expected<HomeUpdate> compare(const std::filesystem::path& folder,
@@ -66,7 +66,7 @@ class UpdateHome : public ::testing::Test {
     while (true) {
       ROOMWISE_TRY(auto frame, walk.next());
       if (!frame) break;
-      ROOMWISE_CHECK_OK(writer->write(*frame));
+      ROOMWISE_RETURN_IF_ERROR(writer->write(*frame));
     }
     return writer->close();
   }

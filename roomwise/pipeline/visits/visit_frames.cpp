@@ -131,12 +131,12 @@ Expected<VisitFrames> place_frames(const VisitRecording& visit, const VisitLooke
     if (frames.visit.frames++ == 0) frames.visit.first_timestamp_ns = frame->timestamp_ns;
     frames.visit.last_timestamp_ns = frame->timestamp_ns;
     block.push_back(*std::move(frame));
-    if (block.size() >= 2 * run.pool.size()) ROOMWISE_CHECK_OK(place_block());
+    if (block.size() >= 2 * run.pool.size()) ROOMWISE_RETURN_IF_ERROR(place_block());
     run.progress.advance(count + 1, "");
   }
-  ROOMWISE_CHECK_OK(place_block());
+  ROOMWISE_RETURN_IF_ERROR(place_block());
   run.progress.end();
-  ROOMWISE_CHECK_OK(run.progress.check("looking at the visit"));
+  ROOMWISE_RETURN_IF_ERROR(run.progress.check("looking at the visit"));
   frames.visit.placed = frames.placed.size();
   return frames;
 }
@@ -174,7 +174,7 @@ Expected<void> look_closer_at_visit(VisitFrames& frames, const recording::Record
   for (const objects::ObservedKeyframe& frame : looked) {
     if (proposals.is_shown_by(frame.keyframe_id)) shown.push_back(frame.keyframe_id);
   }
-  ROOMWISE_CHECK_OK(in_blocks(
+  ROOMWISE_RETURN_IF_ERROR(in_blocks(
       shown.size(), "looking closer at the visit", run,
       [&](std::size_t i) { return recording.read_color(frames.placed[shown[i]].index); },
       [&](std::size_t i, const image::ColorImage& color) {
@@ -201,7 +201,7 @@ Expected<OwnThingSightings> find_own_things_of_visit(const home::Home& home,
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   const auto looked_at = spread_evenly(frames.placed.size(), kWalkPictures);
   OwnThingSightings last;
-  ROOMWISE_CHECK_OK(in_blocks(
+  ROOMWISE_RETURN_IF_ERROR(in_blocks(
       looked_at.size(), "looking for what was taught", run,
       [&](std::size_t i) { return recording.read_color(frames.placed[looked_at[i]].index); },
       [&](std::size_t i, const image::ColorImage& color) {
@@ -224,7 +224,7 @@ Expected<OwnThingSightings> find_own_things_of_visit(const home::Home& home,
 
 Expected<void> VisitOptions::validate() const {
   if (every < 1) return fail("every is {}; expected at least 1", every);
-  ROOMWISE_CHECK_OK(localizer.validate());
+  ROOMWISE_RETURN_IF_ERROR(localizer.validate());
   return rooms ? rooms->validate() : Expected<void>{};
 }
 
@@ -237,8 +237,8 @@ Expected<VisitFrames> observe_visit(const home::Home& home, const VisitRecording
   ROOMWISE_TRY(VisitFrames frames, place_frames(visit, looker, options, run));
   ROOMWISE_TRY(frames.rooms, looker.update_rooms(home, frames.placed));
   if (finders.of_proposals != nullptr) {
-    ROOMWISE_CHECK_OK(look_closer_at_visit(frames, visit.recording, *finders.of_proposals,
-                                           looker.vocabulary(), level, run));
+    ROOMWISE_RETURN_IF_ERROR(look_closer_at_visit(frames, visit.recording, *finders.of_proposals,
+                                                  looker.vocabulary(), level, run));
   }
   if (options.own_things) {
     ROOMWISE_TRY(frames.own_things,

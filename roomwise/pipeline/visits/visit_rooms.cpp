@@ -42,7 +42,7 @@ Expected<VisitRooms> VisitRooms::create(const home::Home& home, const Networks& 
                                         const rooms::VisitLearningOptions& options,
                                         const mapping::LocalizerOptions& localizer,
                                         RunContext& run) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   ROOMWISE_TRY(RoomRecognizer recognizer, RoomRecognizer::create(home, networks));
   ROOMWISE_TRY(HomePlaces places, HomePlaces::create(home, localizer, run));
   return VisitRooms(std::move(places), std::move(recognizer), options);

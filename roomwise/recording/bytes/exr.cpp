@@ -125,7 +125,7 @@ Expected<ExrHeader> read_exr_header(ByteReader& reader, std::int64_t max_pixels)
     } else if (name == "compression" && type == "compression") {
       ROOMWISE_TRY(header.packing, packing_in(value));
     } else if (name == "dataWindow" && type == "box2i") {
-      ROOMWISE_CHECK_OK(read_data_window(value, max_pixels, header));
+      ROOMWISE_RETURN_IF_ERROR(read_data_window(value, max_pixels, header));
     }
   }
   if (header.channels.empty() || !header.packing || header.width == 0) {

@@ -345,7 +345,7 @@ Expected<void> decode_block(ByteReader& in, bool tables_are_packed, LzOutput& ou
   if (!in.ok()) return damaged("it was cut off");
   ROOMWISE_TRY(const Bytes literals, decode_literals(header, literal_payload));
   const std::size_t before = out.size();
-  ROOMWISE_CHECK_OK(decode_triples(header, triple_payload, literals, out));
+  ROOMWISE_RETURN_IF_ERROR(decode_triples(header, triple_payload, literals, out));
   if (out.size() - before != header.size) return damaged("a block's size");
   return {};
 }
@@ -383,11 +383,11 @@ Expected<Bytes> decode_lzfse(Data packed, std::size_t max_size) {
     if (!in.ok()) return damaged("it was cut off");
     if (magic == kEndMagic) return std::move(out).take();
     if (magic == kPlainMagic) {
-      ROOMWISE_CHECK_OK(copy_plain_block(in, out));
+      ROOMWISE_RETURN_IF_ERROR(copy_plain_block(in, out));
     } else if (magic == kLzvnMagic) {
-      ROOMWISE_CHECK_OK(decode_lzvn_block(in, out));
+      ROOMWISE_RETURN_IF_ERROR(decode_lzvn_block(in, out));
     } else if (magic == kTablesMagic || magic == kPackedTablesMagic) {
-      ROOMWISE_CHECK_OK(decode_block(in, magic == kPackedTablesMagic, out));
+      ROOMWISE_RETURN_IF_ERROR(decode_block(in, magic == kPackedTablesMagic, out));
     } else {
       return damaged("an unknown block");
     }

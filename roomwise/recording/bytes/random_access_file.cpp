@@ -31,7 +31,7 @@ Expected<Bytes> RandomAccessFile::read(std::uint64_t offset, std::uint64_t size)
                 path_.string(), size_, size, offset);
   }
   Bytes bytes(static_cast<std::size_t>(size));
-  ROOMWISE_CHECK_OK(read(offset, std::span<std::uint8_t>(bytes)));
+  ROOMWISE_RETURN_IF_ERROR(read(offset, std::span<std::uint8_t>(bytes)));
   return bytes;
 }
 

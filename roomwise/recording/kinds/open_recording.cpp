@@ -67,7 +67,7 @@ const RecordingKind* find_recording_kind(const fs::path& path) {
 
 Expected<std::unique_ptr<Recording>> open_recording(const fs::path& path,
                                                     const RecordingOptions& options) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   std::error_code error;
   if (!fs::exists(path, error)) {
     return fail("{}: there is no such file or folder", path.string());

@@ -72,9 +72,9 @@ class McapScan {
     if (!space_.holds(0, kMcapMagic.size())) return fail("{}: is empty", file_.path().string());
     ROOMWISE_TRY(const auto index, read_index());
     if (index) {
-      ROOMWISE_CHECK_OK(read_indexed(*index));
+      ROOMWISE_RETURN_IF_ERROR(read_indexed(*index));
     } else {
-      ROOMWISE_CHECK_OK(read_on());
+      ROOMWISE_RETURN_IF_ERROR(read_on());
     }
     return std::move(builder_).take();
   }
@@ -113,7 +113,7 @@ class McapScan {
         ROOMWISE_TRY(IndexedChunk chunk, read_chunk_index(*record));
         index.push_back(std::move(chunk));
       }
-      ROOMWISE_CHECK_OK(read_description(space_, *record));
+      ROOMWISE_RETURN_IF_ERROR(read_description(space_, *record));
       offset = record->end();
     }
     // Without chunks the messages lie between other records, which no index knows.
@@ -163,7 +163,7 @@ class McapScan {
       if (may_pass_over && !is_wanted(chunk)) continue;
       ROOMWISE_TRY(const auto record, record_at(space_, chunk.offset));
       if (!record || record->opcode != kChunkRecord) return damaged(chunk.offset, "the chunk");
-      ROOMWISE_CHECK_OK(read_chunk(*record));
+      ROOMWISE_RETURN_IF_ERROR(read_chunk(*record));
     }
     return {};
   }
@@ -179,8 +179,8 @@ class McapScan {
       }
       if (record->opcode == kDataEndRecord || record->opcode == kFooterRecord) return {};
       if (record->opcode == 0) return damaged(offset, "the record");
-      if (record->opcode == kChunkRecord) ROOMWISE_CHECK_OK(read_chunk(*record));
-      ROOMWISE_CHECK_OK(read_content(space_, *record, kNoChunk));
+      if (record->opcode == kChunkRecord) ROOMWISE_RETURN_IF_ERROR(read_chunk(*record));
+      ROOMWISE_RETURN_IF_ERROR(read_content(space_, *record, kNoChunk));
       offset = record->end();
     }
   }
@@ -216,7 +216,7 @@ class McapScan {
     for (std::uint64_t offset = 0; offset < records.size();) {
       ROOMWISE_TRY(const auto record, record_at(records, offset));
       if (!record) return damaged(chunk.offset, "what is in the chunk");
-      ROOMWISE_CHECK_OK(read_content(records, *record, number));
+      ROOMWISE_RETURN_IF_ERROR(read_content(records, *record, number));
       offset = record->end();
     }
     return {};

@@ -93,7 +93,7 @@ Expected<McapFileWriter> McapFileWriter::create(const std::filesystem::path& pat
   add_text(header, "");
   add_text(header, "roomwise");
   add_record(head, Record::kHeader, header);
-  ROOMWISE_CHECK_OK(writer.append(head));
+  ROOMWISE_RETURN_IF_ERROR(writer.append(head));
   return writer;
 }
 
@@ -263,15 +263,15 @@ Bytes McapFileWriter::summary() const {
 }
 
 Expected<void> McapFileWriter::finish() {
-  ROOMWISE_CHECK_OK(close_chunk());
+  ROOMWISE_RETURN_IF_ERROR(close_chunk());
   Bytes end, crc;
   add_number(crc, data_crc_);
   add_record(end, Record::kDataEnd, crc);
-  ROOMWISE_CHECK_OK(append(end));
+  ROOMWISE_RETURN_IF_ERROR(append(end));
   Bytes rest = summary();
   add_number(rest, crc_of(rest));
   rest.insert(rest.end(), kFileMagic.begin(), kFileMagic.end());
-  ROOMWISE_CHECK_OK(append(rest));
+  ROOMWISE_RETURN_IF_ERROR(append(rest));
   const auto failed = [&](const char* what) {
     return fail("{}: {}: {}", path_.string(), what, std::strerror(errno));
   };

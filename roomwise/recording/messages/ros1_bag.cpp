@@ -94,7 +94,7 @@ class BagScan {
       : file_(file), builder_(file), space_(file, 0, file.size()) {}
 
   Expected<LogContents> scan() {
-    ROOMWISE_CHECK_OK(read_connections_at_end());
+    ROOMWISE_RETURN_IF_ERROR(read_connections_at_end());
     for (std::uint64_t offset = kBagMagic.size(); offset < space_.size();) {
       const auto record = bag_record_at(space_, offset);
       const bool is_known = record && *record && is_known_opcode((*record)->opcode);
@@ -107,7 +107,7 @@ class BagScan {
             "the file ends within a record, at byte {}; what comes before is read", offset));
         break;
       }
-      ROOMWISE_CHECK_OK(read_record(**record));
+      ROOMWISE_RETURN_IF_ERROR(read_record(**record));
       offset = (*record)->end();
     }
     return std::move(builder_).take();
@@ -139,7 +139,7 @@ class BagScan {
     for (std::uint64_t offset = index; offset != 0 && offset < space_.size();) {
       const auto record = bag_record_at(space_, offset);
       if (!record || !*record || (*record)->opcode != kBagConnection) break;
-      ROOMWISE_CHECK_OK(read_connection(space_, **record));
+      ROOMWISE_RETURN_IF_ERROR(read_connection(space_, **record));
       knows_connections_ = true;
       offset = (*record)->end();
     }
@@ -206,9 +206,9 @@ class BagScan {
       auto record = bag_record_at(records, offset);
       if (!record || !*record) return damaged(chunk.offset, "damaged messages in the chunk");
       if ((*record)->opcode == kBagConnection) {
-        ROOMWISE_CHECK_OK(read_connection(records, **record));
+        ROOMWISE_RETURN_IF_ERROR(read_connection(records, **record));
       } else if ((*record)->opcode == kBagMessage) {
-        ROOMWISE_CHECK_OK(read_message(records, **record, number));
+        ROOMWISE_RETURN_IF_ERROR(read_message(records, **record, number));
       }
       offset = (*record)->end();
     }

@@ -12,7 +12,8 @@ namespace roomwise::recording {
 // of which some are damaged, one that is far off costs itself alone. Of two that are equal the
 // first is taken.
 template <typename Value>
-[[nodiscard]] std::vector<bool> in_longest_rise(const std::vector<Value>& values) {
+[[nodiscard]] std::vector<bool> in_longest_increasing_subsequence(
+    const std::vector<Value>& values) {
   std::vector<std::size_t> ends;  // of all runs of length 1, 2, ... the end of the lowest one
   std::vector<std::size_t> before(values.size());
   const auto value_of = [&](std::size_t i) { return values[i]; };
@@ -37,7 +38,7 @@ template <typename Frames, typename ValueOf, typename TakenOut>
 void keep_longest_rise(Frames& frames, const ValueOf& value_of, const TakenOut& taken_out) {
   std::vector<std::decay_t<decltype(value_of(*frames.begin()))>> values;
   for (const auto& frame : frames) values.push_back(value_of(frame));
-  const std::vector<bool> is_in_order = in_longest_rise(values);
+  const std::vector<bool> is_in_order = in_longest_increasing_subsequence(values);
   std::size_t place = 0;
   std::erase_if(frames, [&](const auto& frame) {
     if (is_in_order[place++]) return false;

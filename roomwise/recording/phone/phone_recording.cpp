@@ -109,7 +109,7 @@ Expected<std::unique_ptr<Recording>> PhoneRecording::open(PhoneListing listing,
   contents.kind = listing.kind;
   contents.info.name = listing.name;
   if (listing.pictures.empty()) return no_whole_frame(listing.name, listing.damaged);
-  ROOMWISE_CHECK_OK(keep_whole_pictures(listing));
+  ROOMWISE_RETURN_IF_ERROR(keep_whole_pictures(listing));
   if (listing.pictures.empty()) return no_whole_frame(listing.name, listing.damaged);
   for (const PhonePicture& one : listing.pictures) {
     contents.pictures.push_back({one.index, one.timestamp_ns, !one.depth.empty()});

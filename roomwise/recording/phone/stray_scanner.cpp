@@ -180,8 +180,8 @@ Expected<StrayRow> read_row(const OdometryTable& table, std::size_t row,
 
 // Takes the rows of which `value` does not increase with the longest run of the others for damaged.
 template <typename Value>
-void leave_out_of_order(std::vector<Expected<StrayRow>>& rows, const OdometryTable& table,
-                        const char* what, Value PhonePicture::*value) {
+void mark_out_of_order_damaged(std::vector<Expected<StrayRow>>& rows, const OdometryTable& table,
+                               const char* what, Value PhonePicture::*value) {
   std::vector<std::size_t> whole;
   std::vector<Value> values;
   for (std::size_t row = 0; row < rows.size(); ++row) {
@@ -189,7 +189,7 @@ void leave_out_of_order(std::vector<Expected<StrayRow>>& rows, const OdometryTab
     whole.push_back(row);
     values.push_back(rows[row]->picture.*value);
   }
-  const std::vector<bool> is_in_order = in_longest_rise(values);
+  const std::vector<bool> is_in_order = in_longest_increasing_subsequence(values);
   for (std::size_t i = 0; i < whole.size(); ++i) {
     if (is_in_order[i]) continue;
     rows[whole[i]] =
@@ -201,8 +201,8 @@ std::vector<Expected<StrayRow>> read_rows(const OdometryTable& table, std::size_
                                           const geometry::PinholeCamera& otherwise) {
   std::vector<Expected<StrayRow>> rows;
   for (std::size_t row = 0; row < count; ++row) rows.push_back(read_row(table, row, otherwise));
-  leave_out_of_order(rows, table, "number", &PhonePicture::index);
-  leave_out_of_order(rows, table, "time", &PhonePicture::timestamp_ns);
+  mark_out_of_order_damaged(rows, table, "number", &PhonePicture::index);
+  mark_out_of_order_damaged(rows, table, "time", &PhonePicture::timestamp_ns);
   return rows;
 }
 
@@ -230,7 +230,7 @@ bool is_stray_scanner_folder(const fs::path& folder) {
 Expected<std::unique_ptr<Recording>> open_stray_scanner_folder(const fs::path& folder,
                                                                const RecordingOptions& options) {
   ROOMWISE_TRY(const auto table, OdometryTable::read(folder / "odometry.csv"));
-  ROOMWISE_CHECK_OK(table.check_columns());
+  ROOMWISE_RETURN_IF_ERROR(table.check_columns());
   ROOMWISE_TRY(const auto depths, numbered_files(folder / "depth", "", ".png"));
   geometry::PinholeCamera camera;
   if (!table.has("fx")) {

@@ -92,7 +92,7 @@ Expected<void> VideoFile::Stream::open() {
   ROOMWISE_TRY(format, open_format(path));
   index = av_find_best_stream(format.get(), AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
   if (index < 0) return fail("{}: holds no video", path);
-  ROOMWISE_CHECK_OK(open_decoder());
+  ROOMWISE_RETURN_IF_ERROR(open_decoder());
   return list_pictures();
 }
 
@@ -203,7 +203,7 @@ Expected<image::ColorImage> VideoFile::Stream::color() const {
 
 Expected<image::ColorImage> VideoFile::Stream::read(std::size_t place) {
   const std::scoped_lock lock(mutex);
-  ROOMWISE_CHECK_OK(go_to_key_before(place));
+  ROOMWISE_RETURN_IF_ERROR(go_to_key_before(place));
   for (;;) {
     const auto decoded = decode_next();
     if (!decoded) {
@@ -227,7 +227,7 @@ Expected<std::unique_ptr<VideoFile>> VideoFile::open(const std::filesystem::path
   av_log_set_level(AV_LOG_QUIET);  // what matters is said in errors
   auto stream = std::make_unique<Stream>();
   stream->path = path.string();
-  ROOMWISE_CHECK_OK(stream->open());
+  ROOMWISE_RETURN_IF_ERROR(stream->open());
   return std::unique_ptr<VideoFile>(new VideoFile(std::move(stream)));
 }
 

@@ -118,7 +118,7 @@ class Unpacker {
       bytes += entry.bytes;
       entries.push_back(std::move(entry));
     }
-    ROOMWISE_CHECK_OK(check_ratio(bytes));
+    ROOMWISE_RETURN_IF_ERROR(check_ratio(bytes));
     return entries;
   }
 
@@ -142,7 +142,7 @@ class Unpacker {
       if (read == 0 || static_cast<std::uint64_t>(read) > entry.bytes - written) {
         return unsafe(fmt::format("'{}' is not as long as the archive says", entry.name));
       }
-      ROOMWISE_CHECK_OK(out.append(std::span(buffer).first(static_cast<std::size_t>(read))));
+      ROOMWISE_RETURN_IF_ERROR(out.append(std::span(buffer).first(static_cast<std::size_t>(read))));
       written += static_cast<std::uint64_t>(read);
     }
   }
@@ -215,7 +215,7 @@ bool is_zip_file(const fs::path& path) {
 
 Expected<void> unpack_zip(const fs::path& archive, const fs::path& folder,
                           const UnpackLimits& limits, Progress& progress) {
-  ROOMWISE_CHECK_OK(limits.validate());
+  ROOMWISE_RETURN_IF_ERROR(limits.validate());
   int code = 0;
   OpenArchive opened(zip_open(archive.c_str(), ZIP_RDONLY, &code));
   if (opened == nullptr) {
@@ -233,8 +233,8 @@ Expected<void> unpack_zip(const fs::path& archive, const fs::path& folder,
   }
   progress.begin("unpacking", entries.size());
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    ROOMWISE_CHECK_OK(progress.check("a recording was unpacked"));
-    ROOMWISE_CHECK_OK(unpacker.write(entries[i], folder));
+    ROOMWISE_RETURN_IF_ERROR(progress.check("a recording was unpacked"));
+    ROOMWISE_RETURN_IF_ERROR(unpacker.write(entries[i], folder));
     progress.advance(i + 1, "");
   }
   progress.end();

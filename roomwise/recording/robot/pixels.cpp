@@ -213,7 +213,7 @@ Expected<ColorImage> color_of(const ImageMessage& image) {
   if (layout == nullptr || layout->kind == PixelKind::kDepth) {
     return unknown_pixels(image.pixels, "rgb8 or bgr8");
   }
-  ROOMWISE_CHECK_OK(check_size(image, *layout));
+  ROOMWISE_RETURN_IF_ERROR(check_size(image, *layout));
   const bool is_luma = layout->bytes == 2;
   if (is_luma && image.width < 2) return unknown_pixels(image.pixels, "pictures that are wider");
   ColorImage color(static_cast<int>(image.width), static_cast<int>(image.height));
@@ -234,7 +234,7 @@ Expected<DepthImage> depth_of(const ImageMessage& image) {
   if (layout == nullptr || layout->kind != PixelKind::kDepth) {
     return unknown_pixels(image.pixels, "16UC1 or 32FC1");
   }
-  ROOMWISE_CHECK_OK(check_size(image, *layout));
+  ROOMWISE_RETURN_IF_ERROR(check_size(image, *layout));
   DepthImage depth(static_cast<int>(image.width), static_cast<int>(image.height));
   for (int y = 0; y < depth.height(); ++y) {
     read_depth_row(row_of(image, *layout, y), image, depth.row(y));

@@ -96,7 +96,7 @@ class RobotRecording final : public Recording {
       ROOMWISE_TRY(const ImageMessage one, decode_image(channel, bytes));
       ROOMWISE_TRY(decoded.picture, color_of(one));
     }
-    ROOMWISE_CHECK_OK(check_size(pair_.color, decoded.picture));
+    ROOMWISE_RETURN_IF_ERROR(check_size(pair_.color, decoded.picture));
     if (camera_.is_recorded_size()) return decoded;
     return Decoded<image::ColorImage>{
         as_seen_by(decoded.picture, camera_.recorded, camera_.working), {}};
@@ -116,7 +116,7 @@ class RobotRecording final : public Recording {
       ROOMWISE_TRY(const ImageMessage one, decode_image(channel, bytes));
       ROOMWISE_TRY(decoded.picture, depth_of(one));
     }
-    ROOMWISE_CHECK_OK(check_size(pair_.depth, decoded.picture));
+    ROOMWISE_RETURN_IF_ERROR(check_size(pair_.depth, decoded.picture));
     return in_color(std::move(decoded));
   }
 

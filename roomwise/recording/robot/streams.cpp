@@ -171,7 +171,7 @@ Expected<ImageStream> stream_of(const MessageLog& log, std::size_t number) {
   stream.count = log.messages(number).size();
   stream.first_ns = log.messages(number).front().timestamp_ns;
   ROOMWISE_TRY(const Bytes bytes, log.read(log.messages(number).front()));
-  ROOMWISE_CHECK_OK(look_at(channel, bytes, stream));
+  ROOMWISE_RETURN_IF_ERROR(look_at(channel, bytes, stream));
   if (const std::string realsense = realsense_stream_of(stream.topic); !realsense.empty()) {
     stream.frame = realsense;
     if (const auto unit = realsense_unit_m(log, realsense)) stream.depth_unit_m = *unit;

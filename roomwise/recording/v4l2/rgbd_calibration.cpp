@@ -22,7 +22,7 @@ class CalibrationLines {
     CalibrationLines lines;
     lines.path_ = path.string();
     ROOMWISE_TRY(const std::string text, read_text_file(path));
-    for (const DataLine& line : data_lines(text)) ROOMWISE_CHECK_OK(lines.add(line));
+    for (const DataLine& line : data_lines(text)) ROOMWISE_RETURN_IF_ERROR(lines.add(line));
     return lines;
   }
 

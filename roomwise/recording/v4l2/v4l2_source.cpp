@@ -173,8 +173,8 @@ Expected<void> V4l2Options::validate() const {
   if (depth_device.empty() && !color_device.empty()) {
     return fail("colour from {} needs the device of its depth, too", color_device);
   }
-  ROOMWISE_CHECK_OK(calibration.color.validate());
-  if (calibration.depth) ROOMWISE_CHECK_OK(calibration.depth->validate());
+  ROOMWISE_RETURN_IF_ERROR(calibration.color.validate());
+  if (calibration.depth) ROOMWISE_RETURN_IF_ERROR(calibration.depth->validate());
   return {};
 }
 
@@ -233,7 +233,7 @@ Expected<void> V4l2Source::Session::open() {
   }
   info_.camera = camera_.working;
   info_.name = fmt::format("{} ({}, {})", nodes.depth.name, nodes.depth.path, nodes.color.path);
-  ROOMWISE_CHECK_OK(depth_.video->start());
+  ROOMWISE_RETURN_IF_ERROR(depth_.video->start());
   return color_.video->start();
 }
 
@@ -242,7 +242,7 @@ Expected<std::optional<image::RgbdFrame>> V4l2Source::Session::next() {
       kernel_->now_ns() + std::llround(options_.timeout_s / kSecondsPerNs);
   for (;;) {
     if (!bring_pair_to_front()) {
-      ROOMWISE_CHECK_OK(wait_for_picture(deadline_ns));
+      ROOMWISE_RETURN_IF_ERROR(wait_for_picture(deadline_ns));
       continue;
     }
     auto frame = take_front_pair();
@@ -262,7 +262,7 @@ Expected<void> V4l2Source::Session::wait_for_picture(TimestampNs deadline_ns) {
   if (ready < 0) {
     return fail("{}: cannot be waited for: {}", info_.name, std::strerror(-ready));
   }
-  ROOMWISE_CHECK_OK(read(color_, waiting[0].revents));
+  ROOMWISE_RETURN_IF_ERROR(read(color_, waiting[0].revents));
   return read(depth_, waiting[1].revents);
 }
 
@@ -356,9 +356,9 @@ V4l2Source::~V4l2Source() = default;
 
 Expected<std::unique_ptr<V4l2Source>> V4l2Source::open(const V4l2Options& options,
                                                        std::shared_ptr<VideoKernel> kernel) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   auto session = std::make_unique<Session>(options, std::move(kernel));
-  ROOMWISE_CHECK_OK(session->open());
+  ROOMWISE_RETURN_IF_ERROR(session->open());
   return std::unique_ptr<V4l2Source>(new V4l2Source(std::move(session)));
 }
 

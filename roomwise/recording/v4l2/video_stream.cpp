@@ -62,9 +62,9 @@ Expected<std::unique_ptr<VideoStream>> VideoStream::open(std::shared_ptr<VideoKe
                                                          double max_rate_hz) {
   ROOMWISE_TRY(OpenVideoNode node, OpenVideoNode::open(std::move(kernel), path));
   std::unique_ptr<VideoStream> stream(new VideoStream(std::move(node), mode));
-  ROOMWISE_CHECK_OK(stream->set_mode());
+  ROOMWISE_RETURN_IF_ERROR(stream->set_mode());
   stream->set_rate(max_rate_hz);
-  ROOMWISE_CHECK_OK(stream->map_buffers());
+  ROOMWISE_RETURN_IF_ERROR(stream->map_buffers());
   return stream;
 }
 
@@ -136,7 +136,7 @@ Expected<void> VideoStream::give_back(std::uint32_t index) const {
 }
 
 Expected<void> VideoStream::start() {
-  for (std::uint32_t i = 0; i < buffers_.size(); ++i) ROOMWISE_CHECK_OK(give_back(i));
+  for (std::uint32_t i = 0; i < buffers_.size(); ++i) ROOMWISE_RETURN_IF_ERROR(give_back(i));
   std::uint32_t type = kCapture;
   if (const int answer = node_.ask(VIDIOC_STREAMON, type); answer != 0) {
     return node_.failed("does not start", -answer);
@@ -155,7 +155,7 @@ Expected<std::optional<CapturedPicture>> VideoStream::take() {
     return fail("{}: its driver gives a buffer that is none of its own", node_.path());
   }
   ROOMWISE_TRY(auto picture, copy(filled));
-  ROOMWISE_CHECK_OK(give_back(filled.index));
+  ROOMWISE_RETURN_IF_ERROR(give_back(filled.index));
   return picture;
 }
 

@@ -12,10 +12,10 @@ namespace {
 constexpr double kHas = 0.6;
 constexpr double kHasNot = 0.05;
 constexpr double kOther = 0.15;
-constexpr double kWorthRooms = 2;
+constexpr double kPriorPseudoCount = 2;
 // Of a type that nothing speaks for: that things are missing is no reason to believe in one that
 // has few.
-constexpr double kNever = 1e6;
+constexpr double kImpossibleLogPenalty = 1e6;
 
 double probability_of(const RoomContents& contents, const std::string& object) {
   const auto found = contents.find(object);
@@ -23,11 +23,11 @@ double probability_of(const RoomContents& contents, const std::string& object) {
 }
 
 // P(a room of the type has one of the class).
-double has(const std::string& type, const std::set<std::string>& classes, const std::string& object,
-           std::span<const TypedContents> examples) {
+double class_probability(const std::string& type, const std::set<std::string>& classes,
+                         const std::string& object, std::span<const TypedContents> examples) {
   const double guess = type == kOtherType ? kOther : classes.contains(object) ? kHas : kHasNot;
-  double having = kWorthRooms * guess;
-  double rooms = kWorthRooms;
+  double having = kPriorPseudoCount * guess;
+  double rooms = kPriorPseudoCount;
   for (const TypedContents& example : examples) {
     if (example.type != type) continue;
     having += probability_of(example.contents, object);
@@ -60,7 +60,7 @@ std::vector<TypePosterior> classify_room_type(const RoomContents& contents,
     std::vector<std::pair<double, std::string>> reasons;
     for (const std::string& object : classes) {
       const double there = probability_of(contents, object);
-      const double expected = has(type, of_type, object, examples);
+      const double expected = class_probability(type, of_type, object, examples);
       const double likelihood = there * expected + (1 - there) * (1 - expected);
       log += std::log(likelihood);
       const double elsewhere = there * kOther + (1 - there) * (1 - kOther);
@@ -70,7 +70,7 @@ std::vector<TypePosterior> classify_room_type(const RoomContents& contents,
     std::ranges::stable_sort(reasons, std::ranges::greater{},
                              &std::pair<double, std::string>::first);
     for (const auto& [ratio, object] : reasons) guess.because.push_back(object);
-    if (reasons.empty() && type != kOtherType) log = -kNever;
+    if (reasons.empty() && type != kOtherType) log = -kImpossibleLogPenalty;
   }
   const double most = *std::ranges::max_element(logs);
   double sum = 0;

@@ -310,7 +310,7 @@ Expected<void> RoomLayoutOptions::validate() const {
 Expected<RoomLayout> RoomLayout::make(const FloorGrid& grid, std::span<const WalkedPath> walks,
                                       const RoomLayoutOptions& options,
                                       std::span<const LayoutEdit> edits) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   NamedWalks read = read_walks(walks, options.unsure_path_m);
   add_edited_rooms(edits, read);
 

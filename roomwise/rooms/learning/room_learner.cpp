@@ -46,9 +46,9 @@ Expected<void> check_samples(std::span<const RoomSample> samples) {
     if (sample.room.empty()) return fail("picture {} names no room", i);
     const std::string whose = fmt::format("picture {} ({})", i, sample.room);
     const std::size_t expected = samples.front().features.size();
-    ROOMWISE_CHECK_OK(check_features(sample.features, expected, whose));
+    ROOMWISE_RETURN_IF_ERROR(check_features(sample.features, expected, whose));
     for (const auto& variant : sample.variants) {
-      ROOMWISE_CHECK_OK(check_features(variant, expected, "a variant of " + whose));
+      ROOMWISE_RETURN_IF_ERROR(check_features(variant, expected, "a variant of " + whose));
     }
   }
   return {};
@@ -194,7 +194,7 @@ Expected<std::vector<HeldOutTest>> held_out_tests(const TrainingSet& set,
     of_fold[fold] = SoftmaxRegression::train_path(set.unit_length, labels, set.classes(), decays,
                                                   {.gradient_tolerance = kHeldOutTolerance});
   });
-  for (const auto& regressions : of_fold) ROOMWISE_CHECK_OK(regressions);
+  for (const auto& regressions : of_fold) ROOMWISE_RETURN_IF_ERROR(regressions);
   std::vector<HeldOutTest> tests;
   for (std::size_t i = 0; i < decays.size(); ++i) {
     HeldOutTest& test = tests.emplace_back();
@@ -267,8 +267,8 @@ Expected<void> LearningOptions::validate() const {
 Expected<LearnedRooms> learn_rooms(std::span<const RoomSample> samples,
                                    const NetworkIdentity& network, const LearningOptions& options,
                                    ThreadPool* pool) {
-  ROOMWISE_CHECK_OK(options.validate());
-  ROOMWISE_CHECK_OK(check_samples(samples));
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(check_samples(samples));
   ROOMWISE_TRY(std::vector<std::string> rooms, rooms_of(samples, options));
   const TrainingSet set = make_training_set(samples, std::move(rooms), options);
   std::optional<ThreadPool> own_pool;

@@ -58,7 +58,7 @@ std::optional<std::size_t> room_by_picture(const PictureEvidence& picture,
 Expected<std::vector<std::size_t>> choose_pictures(
     const RoomClassifier& classifier, std::span<const RoomPicture> agreed,
     const VisitLearningOptions& options, const std::map<std::string, std::size_t>& remembered) {
-  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
   std::vector<std::size_t> chosen;
   RoomClassifier knowing = classifier;
   for (const std::string& room : classifier.rooms()) {

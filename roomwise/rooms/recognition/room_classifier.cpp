@@ -58,7 +58,7 @@ Expected<RoomClassifier> RoomClassifier::with(std::span<const RoomPicture> pictu
   Eigen::MatrixXf rows(pictures.size(), feature_size());
   std::vector<int> rooms;
   for (const RoomPicture& picture : pictures) {
-    ROOMWISE_CHECK_OK(check(picture.features));
+    ROOMWISE_RETURN_IF_ERROR(check(picture.features));
     const auto room = std::ranges::find(rooms_, picture.room);
     if (room == rooms_.end()) return fail("room \"{}\" was not learned", picture.room);
     rows.row(static_cast<Eigen::Index>(rooms.size())) = root_features(picture.features);
@@ -70,7 +70,7 @@ Expected<RoomClassifier> RoomClassifier::with(std::span<const RoomPicture> pictu
 }
 
 Expected<Similarity> RoomClassifier::similarity(std::span<const float> features) const {
-  ROOMWISE_CHECK_OK(check(features));
+  ROOMWISE_RETURN_IF_ERROR(check(features));
   return retrieval_.gallery.compare(root_features(features));
 }
 
@@ -84,7 +84,7 @@ Expected<PictureEvidence> RoomClassifier::evidence(std::span<const float> featur
 }
 
 Expected<std::vector<RoomScore>> RoomClassifier::scores(std::span<const float> features) const {
-  ROOMWISE_CHECK_OK(check(features));
+  ROOMWISE_RETURN_IF_ERROR(check(features));
   const Eigen::VectorXf probabilities = regression_.probabilities(unit_length(features));
   std::vector<RoomScore> scores;
   for (std::size_t i = 0; i < rooms_.size(); ++i) {

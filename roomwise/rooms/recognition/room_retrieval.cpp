@@ -67,7 +67,7 @@ Expected<RoomRetrieval> read_retrieval(PlainReader& reader, std::size_t rooms,
       !are_deviations(deviations)) {
     return fail("a remembered picture is not finite");
   }
-  ROOMWISE_CHECK_OK(retrieval.calibration.validate());
+  ROOMWISE_RETURN_IF_ERROR(retrieval.calibration.validate());
   int pictures = 0;
   for (std::size_t i = 0; i < rows; ++i) {
     if (room[i] < 0 || room[i] >= static_cast<int>(rooms) || picture[i] < 0 ||

@@ -208,7 +208,8 @@ Expected<void> SoftmaxOptions::validate() const {
   if (!(weight_decay >= 0 && std::isfinite(weight_decay))) {
     return fail("weight_decay is {}; expected 0 or more", weight_decay);
   }
-  if (max_evaluations < 1) return fail("max_evaluations is {}; expected 1 or more", max_evaluations);
+  if (max_evaluations < 1)
+    return fail("max_evaluations is {}; expected 1 or more", max_evaluations);
   if (!(gradient_tolerance > 0 && std::isfinite(gradient_tolerance))) {
     return fail("gradient_tolerance is {}; expected more than 0", gradient_tolerance);
   }
@@ -226,8 +227,8 @@ Expected<SoftmaxRegression> SoftmaxRegression::train(const Eigen::MatrixXf& samp
 Expected<std::vector<SoftmaxRegression>> SoftmaxRegression::train_path(
     const Eigen::MatrixXf& samples, std::span<const int> labels, int classes,
     std::span<const double> weight_decays, const SoftmaxOptions& options) {
-  ROOMWISE_CHECK_OK(options.validate());
-  ROOMWISE_CHECK_OK(check(samples, labels, classes));
+  ROOMWISE_RETURN_IF_ERROR(options.validate());
+  ROOMWISE_RETURN_IF_ERROR(check(samples, labels, classes));
   Loss loss(samples, labels, classes);
   MatrixXd parameters = loss.zero();
   std::vector<SoftmaxRegression> path;

@@ -48,19 +48,20 @@ bool AccessRegister::looks_open(const fs::path& folder) {
 
 Expected<std::unique_ptr<AccessRegister>> AccessRegister::open(const fs::path& folder,
                                                                std::shared_ptr<PairingDoor> door) {
-  ROOMWISE_CHECK_OK(make_private_folder(folder));
+  ROOMWISE_RETURN_IF_ERROR(make_private_folder(folder));
   const fs::path path = folder / kDevicesFile;
-  if (!fs::exists(path)) ROOMWISE_CHECK_OK(write_file(path, ""));  // SQLite opens what is there
+  if (!fs::exists(path))
+    ROOMWISE_RETURN_IF_ERROR(write_file(path, ""));  // SQLite opens what is there
   std::error_code error;
   fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write, error);
   if (error) return fail("{}: cannot be made private: {}", path.string(), error.message());
   ROOMWISE_TRY(home::WriterLock lock, home::WriterLock::take(path));
   ROOMWISE_TRY(home::Database database,
                home::Database::open(path, home::Database::Access::kReadWrite));
-  ROOMWISE_CHECK_OK(database.run_script(kSchema));
+  ROOMWISE_RETURN_IF_ERROR(database.run_script(kSchema));
   std::unique_ptr<AccessRegister> access(
       new AccessRegister(std::move(lock), std::move(database), std::move(door)));
-  ROOMWISE_CHECK_OK(access->load());
+  ROOMWISE_RETURN_IF_ERROR(access->load());
   return access;
 }
 
@@ -128,7 +129,7 @@ std::optional<Identity> AccessRegister::identify(std::string_view token, const N
 
 Expected<bool> AccessRegister::revoke(std::int64_t device) {
   const std::scoped_lock lock(mutex_);
-  ROOMWISE_CHECK_OK(database_.run("DELETE FROM devices WHERE device = ?", device));
+  ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM devices WHERE device = ?", device));
   return std::erase_if(entries_,
                        [&](const Entry& entry) { return entry.device.who.device == device; }) > 0;
 }
@@ -141,7 +142,8 @@ Expected<bool> AccessRegister::rename(std::int64_t device, const std::string& na
   const auto entry = std::ranges::find_if(
       entries_, [&](const Entry& one) { return one.device.who.device == device; });
   if (entry == entries_.end()) return false;
-  ROOMWISE_CHECK_OK(database_.run("UPDATE devices SET name = ? WHERE device = ?", name, device));
+  ROOMWISE_RETURN_IF_ERROR(
+      database_.run("UPDATE devices SET name = ? WHERE device = ?", name, device));
   entry->device.who.name = name;
   return true;
 }

@@ -90,7 +90,7 @@ Expected<std::unique_ptr<AccountStore>> AccountStore::open(std::unique_ptr<SqlLi
                   link->counting_key())};
   for (const std::string& table : tables) {
     // Processes that start together may make it at once, of which PostgreSQL lets one down.
-    if (!link->run(table)) ROOMWISE_CHECK_OK(link->run(table));
+    if (!link->run(table)) ROOMWISE_RETURN_IF_ERROR(link->run(table));
   }
   return std::unique_ptr<AccountStore>(new AccountStore(std::move(link)));
 }
@@ -114,7 +114,7 @@ Expected<void> AccountStore::add(const std::string& name, std::string_view passw
   if (!is_account_name(name)) {
     return fail("'{}' is no name of an account: it has 1 to 64 bytes without spaces", name);
   }
-  ROOMWISE_CHECK_OK(check_password(password));
+  ROOMWISE_RETURN_IF_ERROR(check_password(password));
   ROOMWISE_TRY(const std::string hash, hashed(password));
   ROOMWISE_TRY(const auto rows,
                link_->run("INSERT INTO roomwise_accounts (name, password) VALUES ($1, $2) ON "
@@ -125,12 +125,13 @@ Expected<void> AccountStore::add(const std::string& name, std::string_view passw
 }
 
 Expected<void> AccountStore::set_password(const std::string& name, std::string_view password) {
-  ROOMWISE_CHECK_OK(check_password(password));
+  ROOMWISE_RETURN_IF_ERROR(check_password(password));
   ROOMWISE_TRY(const std::int64_t id, known(name));
   ROOMWISE_TRY(const std::string hash, hashed(password));
-  ROOMWISE_CHECK_OK(link_->run("UPDATE roomwise_accounts SET password = $1 WHERE account = $2",
-                               {hash, text_of(id)}));
-  ROOMWISE_CHECK_OK(link_->run("DELETE FROM roomwise_sessions WHERE account = $1", {text_of(id)}));
+  ROOMWISE_RETURN_IF_ERROR(link_->run(
+      "UPDATE roomwise_accounts SET password = $1 WHERE account = $2", {hash, text_of(id)}));
+  ROOMWISE_RETURN_IF_ERROR(
+      link_->run("DELETE FROM roomwise_sessions WHERE account = $1", {text_of(id)}));
   return {};
 }
 
@@ -138,11 +139,11 @@ Expected<void> AccountStore::set_role(const std::string& name, const std::string
                                       std::optional<Role> role) {
   ROOMWISE_TRY(const std::int64_t id, known(name));
   if (!role) {
-    ROOMWISE_CHECK_OK(link_->run("DELETE FROM roomwise_roles WHERE account = $1 AND home = $2",
-                                 {text_of(id), home}));
+    ROOMWISE_RETURN_IF_ERROR(link_->run(
+        "DELETE FROM roomwise_roles WHERE account = $1 AND home = $2", {text_of(id), home}));
     return {};
   }
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       link_->run("INSERT INTO roomwise_roles (account, home, role) VALUES ($1, $2, $3) ON CONFLICT "
                  "(account, home) DO UPDATE SET role = excluded.role",
                  {text_of(id), home, std::string(to_string(*role))}));
@@ -153,7 +154,7 @@ Expected<void> AccountStore::remove(const std::string& name) {
   ROOMWISE_TRY(const std::int64_t id, known(name));
   // SQLite follows references only where it is told to.
   for (const char* table : {"roomwise_sessions", "roomwise_roles", "roomwise_accounts"}) {
-    ROOMWISE_CHECK_OK(
+    ROOMWISE_RETURN_IF_ERROR(
         link_->run(fmt::format("DELETE FROM {} WHERE account = $1", table), {text_of(id)}));
   }
   return {};
@@ -280,7 +281,7 @@ Expected<std::optional<Account>> AccountStore::who(std::string_view token, const
 }
 
 Expected<void> AccountStore::sign_out(std::string_view token) {
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       link_->run("DELETE FROM roomwise_sessions WHERE token_sha256 = $1", {sha256_of(token)}));
   return {};
 }
@@ -301,7 +302,7 @@ Expected<std::optional<Role>> AccountStore::role_now(std::int64_t account, const
 // ---- who did what ----
 
 Expected<void> AccountStore::note(const AuditLine& line) {
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       link_->run("INSERT INTO roomwise_audit (time_s, who, home, what, outcome, peer) VALUES ($1, "
                  "$2, $3, $4, $5, $6)",
                  {text_of(line.time_s), line.who, line.home, line.what, line.outcome, line.peer}));

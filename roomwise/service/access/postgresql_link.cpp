@@ -46,7 +46,7 @@ class PostgresqlLink final : public SqlLink {
     // is asked again, once; what writes is not, since it might be done twice.
     const bool only_asks = sql.starts_with("SELECT");
     for (int tries = 0;; ++tries) {
-      ROOMWISE_CHECK_OK(connect());
+      ROOMWISE_RETURN_IF_ERROR(connect());
       const std::unique_ptr<PGresult, EndResult> result = ask(std::string(sql), values);
       const ExecStatusType status = PQresultStatus(result.get());
       if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK) return rows_of(*result);

@@ -41,7 +41,7 @@ class SqliteLink final : public SqlLink {
 
 Expected<std::unique_ptr<SqlLink>> open_sqlite_link(const std::filesystem::path& file) {
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) ROOMWISE_CHECK_OK(write_private_file(file, ""));
+  if (!std::filesystem::exists(file, error)) ROOMWISE_RETURN_IF_ERROR(write_private_file(file, ""));
   ROOMWISE_TRY(home::Database database,
                home::Database::open(file, home::Database::Access::kReadWrite));
   return std::make_unique<SqliteLink>(std::move(database));

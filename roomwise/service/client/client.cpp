@@ -50,12 +50,12 @@ Expected<http::response<http::string_body>> post(TlsClient& client, const std::s
   request.set(http::field::content_type, "application/json");
   request.body() = json.dump();
   request.prepare_payload();
-  ROOMWISE_CHECK_OK(
+  ROOMWISE_RETURN_IF_ERROR(
       client.step([&](auto done) { http::async_write(client.stream(), request, std::move(done)); },
                   "cannot be asked"));
   http::response<http::string_body> answer;
   beast::flat_buffer buffer;
-  ROOMWISE_CHECK_OK(client.step(
+  ROOMWISE_RETURN_IF_ERROR(client.step(
       [&](auto done) { http::async_read(client.stream(), buffer, answer, std::move(done)); },
       "gives no answer"));
   return answer;
@@ -118,7 +118,7 @@ std::string TlsClient::host() const {
 
 Expected<void> TlsClient::connect() {
   asio::ip::tcp::resolver::results_type found;
-  ROOMWISE_CHECK_OK(step(
+  ROOMWISE_RETURN_IF_ERROR(step(
       [&](auto done) {
         resolver_.async_resolve(server_.host, std::to_string(server_.port),
                                 [&found, done](error_code error, auto results) mutable {
@@ -127,7 +127,7 @@ Expected<void> TlsClient::connect() {
                                 });
       },
       "its name is not known in this network"));
-  ROOMWISE_CHECK_OK(step(
+  ROOMWISE_RETURN_IF_ERROR(step(
       [&](auto done) { beast::get_lowest_layer(stream_).async_connect(found, std::move(done)); },
       "cannot be reached"));
   beast::get_lowest_layer(stream_).socket().set_option(asio::ip::tcp::no_delay(true));
@@ -210,7 +210,7 @@ Expected<ServerAddress> parse_server_address(std::string_view text) {
 Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& code,
                                const std::string& name, const ClientWait& wait) {
   TlsClient client(server, wait);
-  ROOMWISE_CHECK_OK(client.connect());
+  ROOMWISE_RETURN_IF_ERROR(client.connect());
   const TlsClient::Shown shown = client.shown();
   const std::string& fingerprint = shown.authority.empty() ? shown.own : shown.authority;
   ROOMWISE_TRY(const Bytes random, random_bytes(16));
@@ -251,7 +251,7 @@ class WebSocketConnection final : public ServerConnection {
   }
 
   Expected<void> connect(const ServerCredentials& credentials) {
-    ROOMWISE_CHECK_OK(client_.connect());
+    ROOMWISE_RETURN_IF_ERROR(client_.connect());
     if (!client_.is_known_by(credentials.fingerprint)) {
       return fail(
           "{} shows another certificate than the one this device was paired with: it is another "
@@ -474,7 +474,7 @@ class WebSocketConnection final : public ServerConnection {
 Expected<std::unique_ptr<ServerConnection>> ServerConnection::open(
     const ServerAddress& server, const ServerCredentials& credentials, const ClientWait& wait) {
   auto connection = std::make_unique<WebSocketConnection>(server, wait);
-  ROOMWISE_CHECK_OK(connection->connect(credentials));
+  ROOMWISE_RETURN_IF_ERROR(connection->connect(credentials));
   connection->run();
   return connection;
 }

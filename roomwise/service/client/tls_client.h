@@ -43,7 +43,7 @@ class TlsClient {
     beast::get_lowest_layer(stream_).expires_at(deadline_);
     start([&](boost::system::error_code error, auto&&...) { result = error; });
     const Expected<void> ran = run_until(result);
-    ROOMWISE_CHECK_OK(ran);
+    ROOMWISE_RETURN_IF_ERROR(ran);
     if (*result == beast::error::timeout) return fail("{} does not answer in time", name());
     if (*result) return fail("{}: {}: {}", name(), what, result->message());
     return {};

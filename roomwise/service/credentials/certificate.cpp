@@ -132,7 +132,7 @@ Expected<void> write_files(const KeyedCertificate& made, const fs::path& certifi
                            const fs::path& key) {
   ROOMWISE_TRY(const std::string key_text, pem_of_key(made.key.get()));
   ROOMWISE_TRY(const std::string text, pem_of(made.certificate.get()));
-  ROOMWISE_CHECK_OK(write_private_file(key, key_text));
+  ROOMWISE_RETURN_IF_ERROR(write_private_file(key, key_text));
   return write_private_file(certificate, text);
 }
 
@@ -183,7 +183,7 @@ Expected<KeyedCertificate> own_authority(const fs::path& folder,
       return fail("the computer's clock was not set: set it, or certificates would be of no use");
     }
     ROOMWISE_TRY(const KeyedCertificate made, make_authority(names, now_s));
-    ROOMWISE_CHECK_OK(write_files(made, certificate, key));
+    ROOMWISE_RETURN_IF_ERROR(write_files(made, certificate, key));
   }
   auto read = read_files(certificate, key);
   if (!read) return lost(folder, "authority.pem and authority-key.pem", read.error());
@@ -208,7 +208,7 @@ bool still_does(const KeyedCertificate& own, const KeyedCertificate& authority,
 
 Expected<Certificate> own_certificate(const fs::path& folder, const std::vector<std::string>& names,
                                       std::int64_t now_s) {
-  ROOMWISE_CHECK_OK(make_private_folder(folder));
+  ROOMWISE_RETURN_IF_ERROR(make_private_folder(folder));
   const fs::path own_file = folder / "certificate.pem";
   const fs::path key_file = folder / "key.pem";
   if (fs::exists(own_file) && !fs::exists(folder / "authority.pem")) return self_signed(folder);
@@ -217,7 +217,7 @@ Expected<Certificate> own_certificate(const fs::path& folder, const std::vector<
   auto own = read_files(own_file, key_file);
   if (!own || !still_does(*own, authority, allowed, now_s)) {
     ROOMWISE_TRY(const KeyedCertificate made, make_own(authority, allowed, now_s));
-    ROOMWISE_CHECK_OK(write_files(made, own_file, key_file));
+    ROOMWISE_RETURN_IF_ERROR(write_files(made, own_file, key_file));
     own = read_files(own_file, key_file);
     if (!own) return Unexpected(std::move(own).error().with_context(own_file.string()));
   }

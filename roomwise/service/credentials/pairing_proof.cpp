@@ -33,14 +33,14 @@ std::string hmac(std::string_view key, const std::string& text) {
 
 Expected<PairingProof> make_secret_proof(std::string_view secret, std::string_view fingerprint,
                                          std::string_view nonce) {
-  ROOMWISE_CHECK_OK(check_nonce(nonce));
+  ROOMWISE_RETURN_IF_ERROR(check_nonce(nonce));
   const std::string salt = fmt::format("{}{}", fingerprint, nonce);
   return PairingProof{hmac(secret, salt + "device"), hmac(secret, salt + "computer")};
 }
 
 Expected<PairingProof> make_pairing_proof(std::string_view code, std::string_view fingerprint,
                                           std::string_view nonce) {
-  ROOMWISE_CHECK_OK(check_nonce(nonce));
+  ROOMWISE_RETURN_IF_ERROR(check_nonce(nonce));
   const std::string salt = fmt::format("{}{}", fingerprint, nonce);
   std::array<unsigned char, 64> key{};
   constexpr std::uint64_t kMaxMemory = std::uint64_t{64} << 20U;  // it takes 33 MB

@@ -82,7 +82,7 @@ Expected<DeviceCamera> read_camera(const OrderedJson& json) {
         if (terms.error()) return Unexpected(Error(*terms.error()));
       }
     }
-    if (!members.error()) ROOMWISE_CHECK_OK(pinhole.validate());
+    if (!members.error()) ROOMWISE_RETURN_IF_ERROR(pinhole.validate());
     camera.calibrated = pinhole;
   }
   if (members.has("lens")) camera.lens = members.text("lens");

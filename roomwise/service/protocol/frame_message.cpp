@@ -32,7 +32,7 @@ Expected<geometry::PinholeCamera> read_camera_of_frame(const OrderedJson& json) 
   camera.fy = members.number("fy", 1e-3, 1e6);
   camera.cx = members.number("cx", -1e6, 1e6);
   camera.cy = members.number("cy", -1e6, 1e6);
-  if (!members.error()) ROOMWISE_CHECK_OK(camera.validate());
+  if (!members.error()) ROOMWISE_RETURN_IF_ERROR(camera.validate());
   return members.finish(camera);
 }
 
@@ -177,7 +177,7 @@ Expected<FrameMessage> read_frame(std::span<const std::uint8_t> message) {
   const bool has_version = members.has("version");
   const auto version = has_version ? members.whole("version", 1, kHeaderVersion) : 1;
   if (members.error()) return Unexpected(Error(*members.error()).with_context(kHeader));
-  if (version > 1) ROOMWISE_CHECK_OK(in_context(kHeader, read_additions(json, frame)));
+  if (version > 1) ROOMWISE_RETURN_IF_ERROR(in_context(kHeader, read_additions(json, frame)));
   frame.color = images.first(color_bytes);
   frame.depth = images.subspan(color_bytes);
   return frame;

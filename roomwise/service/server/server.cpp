@@ -197,13 +197,13 @@ Expected<std::shared_ptr<ServerCore>> make_core(ServerOptions options) {
     if (!is_address(proxy)) return fail("'{}' is no address of a proxy, as 192.168.1.7 is", proxy);
   }
   auto core = std::make_shared<ServerCore>(std::move(options), std::move(hosts), std::move(pages));
-  ROOMWISE_CHECK_OK(prepare_tls(core->tls, core->options.certificate));
+  ROOMWISE_RETURN_IF_ERROR(prepare_tls(core->tls, core->options.certificate));
   return core;
 }
 
 Expected<std::unique_ptr<Server>> listening(std::shared_ptr<ServerCore> core) {
   auto server = std::make_unique<ListeningServer>(std::move(core));
-  ROOMWISE_CHECK_OK(server->listen());
+  ROOMWISE_RETURN_IF_ERROR(server->listen());
   return server;
 }
 

@@ -1,4 +1,4 @@
-#include "roomwise/live/recording/disk_room.h"
+#include "roomwise/live/recording/free_disk_bytes.h"
 
 namespace roomwise::live {
 
