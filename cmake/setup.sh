@@ -42,14 +42,20 @@ packages_of() {
   awk -v parts=" $* " '{ sub(/#.*/, "") } /^\[/ { wanted = index(parts, " " substr($1, 2, length($1) - 2) " "); next }
     wanted && NF' "$root/cmake/packages.txt"
 }
-# Leaves out a package with "[command NAME]" where that command is there, wherever it came from.
+# Leaves out a package with "[command NAME]" where that command is there, wherever it came from; with
+# "[command NAME VERSION]", where it is of that version or later.
 needed_packages() {
   local package rest
   while read -r package rest; do
-    if [[ ! $rest =~ ^\[command\ ([^]]+)\] ]] || ! command -v "${BASH_REMATCH[1]}" >/dev/null; then
+    if [[ ! $rest =~ ^\[command\ ([^] ]+)\ ?([0-9]*)\] ]] ||
+      ! has_command "${BASH_REMATCH[1]}" "${BASH_REMATCH[2]:-0}"; then
       echo "$package"
     fi
   done
+}
+has_command() {
+  command -v "$1" >/dev/null || return
+  [ "$2" -eq 0 ] || { [[ $("$1" --version </dev/null 2>&1) =~ ([0-9]+) ]] && [ "${BASH_REMATCH[1]}" -ge "$2" ]; }
 }
 # Lists of packages that are old or not there yet make it fail; it is tried again with new ones.
 apt_install() {

@@ -32,18 +32,24 @@ class Installed(unittest.TestCase):
         self.assertEqual(said.stdout.split(), [str(package / "__init__.py"), "True"])
 
     @unittest.skipUnless("ROOMWISE_BUILD" in os.environ and DEBIANS.exists(), "run it by ctest, on Debian")
-    def test_a_first_build_is_for_debians_interpreter_though_another_comes_first(self):
+    def test_a_first_build_takes_debians_though_others_come_first_in_the_path(self):
         scratch = made_up.scratch_folder()
-        other = scratch / "other"  # without NumPy
+        other = scratch / "other"  # an interpreter without NumPy, an old node and a foreign library
         subprocess.run([DEBIANS, "-m", "venv", "--without-pip", other], check=True)
+        node = other / "bin/node"
+        node.write_text("#!/bin/sh\necho v16.20.0\n")
+        node.chmod(0o755)
+        for package in ("fmt", "pybind11"):
+            (other / "lib/cmake" / package).mkdir(parents=True)
+            (other / "lib/cmake" / package / f"{package}-config.cmake").write_text('message(FATAL_ERROR "not Debian\'s")')
         path = f"{other / 'bin'}{os.pathsep}{os.environ['PATH']}"
         build = scratch / "build"
         command = [os.environ["ROOMWISE_CMAKE"], "--preset", "release", "-B", build]
-        configured = subprocess.run(
-            command, cwd=ROOT, env={**os.environ, "PATH": path}, capture_output=True, text=True
-        )
+        configured = subprocess.run(command, cwd=ROOT, env={**os.environ, "PATH": path}, capture_output=True, text=True)
         self.assertEqual(configured.returncode, 0, configured.stderr)
-        self.assertIn(f"Python_EXECUTABLE:FILEPATH={DEBIANS}\n", (build / "CMakeCache.txt").read_text())
+        cache = (build / "CMakeCache.txt").read_text()
+        self.assertIn(f"Python_EXECUTABLE:FILEPATH={DEBIANS}\n", cache)
+        self.assertNotIn(f"={node}\n", cache)
 
 
 if __name__ == "__main__":
