@@ -56,7 +56,7 @@ using PixelTable = std::vector<std::int32_t>;
 // An RGB-D frame made ready for fusion: a patch of surface a pixel.
 struct FrameSurface {
   geometry::PinholeCamera camera;
-  std::shared_ptr<const PixelTable> real_from_ideal;
+  std::shared_ptr<const PixelTable> distorted_index_of_undistorted;
   image::Image<SurfacePixel> pixels;  // of the real camera
   SurfaceOptions options;             // it was made with
 };
