@@ -485,4 +485,10 @@ StoreysFound find_storeys(const TriangleMesh& mesh_gravity, std::span<const Came
   return found;
 }
 
+double only_level_m(const StoreysFound& found) {
+  if (found.floors_m.size() != 1) return 0;
+  const double floor_m = found.floors_m.front();
+  return std::abs(floor_m) > kMaxRise_m ? floor_m : 0;
+}
+
 }  // namespace roomwise::fusion

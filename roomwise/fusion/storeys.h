@@ -83,4 +83,8 @@ struct StoreysFound {
 [[nodiscard]] StoreysFound find_storeys(const TriangleMesh& mesh_gravity,
                                         std::span<const CameraPath> paths);
 
+// How high the only level that people walked on lies where z = 0 is another one, which they left
+// within a few strides: a hall from which stairs lead to the flat. 0 otherwise.
+[[nodiscard]] double only_level_m(const StoreysFound& found);
+
 }  // namespace roomwise::fusion

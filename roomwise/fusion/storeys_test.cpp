@@ -75,6 +75,17 @@ TEST_F(StoreysTest, AFlatHasOneAndNoStairs) {
   EXPECT_TRUE(find_storeys({}, {}).floors_m.empty());
 }
 
+TEST_F(StoreysTest, TheOnlyLevelThatWasWalkedIsToldFromAHallThatWasLeftAtOnce) {
+  make_home();
+  CameraPath path = path_over(true);
+  EXPECT_EQ(only_level_m(find_storeys(mesh_, std::array{path})), 0) << "two were walked";
+  std::erase_if(path, [](const Vector3d& place) { return place.x() < kFoot_m - 1; });
+  const StoreysFound found = find_storeys(mesh_, std::array{path});
+  EXPECT_EQ(found.floors_m.size(), 1U);
+  EXPECT_NEAR(only_level_m(found), kSteps * kRise_m, 0.02);
+  EXPECT_EQ(only_level_m({{0.1}, {}}), 0) << "a map may sag";
+}
+
 TEST_F(StoreysTest, StairsAreCountedAndMeasuredWhicheverWayTheyAreWalked) {
   make_home();
   for (const bool is_up : {true, false}) {

@@ -45,7 +45,7 @@ CREATE TABLE keyframes (
   timestamp_ns INTEGER NOT NULL,
   tx_m REAL NOT NULL, ty_m REAL NOT NULL, tz_m REAL NOT NULL,  -- world_from_keyframe: the camera's pose
   qx REAL NOT NULL, qy REAL NOT NULL, qz REAL NOT NULL, qw REAL NOT NULL,
-  component INTEGER NOT NULL,          -- connected component of the map, with a world of its own; 0 is the largest
+  component INTEGER NOT NULL,          -- connected component of the map, with a world of its own; 0 is the map's
   UNIQUE (recording_id, frame_index)
 ) STRICT;
 

@@ -8,6 +8,7 @@
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/pipeline/edits/edit_rooms.h"
 #include "roomwise/pipeline/edits/undo_edit.h"
+#include "roomwise/pipeline/exports/dataset_pictures.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/map_settings.h"
 
@@ -63,6 +64,20 @@ TEST_F(WalkEdits, AWalkThatIsTakenAwayStaysUntilItIsForgottenAndCanComeBack) {
   ASSERT_OK(undo_edit(*home_, edit));
   EXPECT_THAT(taken(), IsEmpty());
   EXPECT_EQ(home_->content_digest().value(), digest);
+}
+
+TEST_F(WalkEdits, NothingOfAWalkThatIsTakenAwayIsWrittenForOthers) {
+  EXPECT_THAT(dataset_views(*home_, {})->views, SizeIs(2));
+  const home::EditId edit = take_walk_away(*home_, kBen, 2).value();
+  const auto written = dataset_views(*home_, {});
+  ASSERT_OK(written);
+  ASSERT_THAT(written->walks, SizeIs(1));
+  EXPECT_EQ(written->walks.front().name, "monday");
+  EXPECT_THAT(written->views, SizeIs(1));
+  EXPECT_ERROR(dataset_views(*home_, {.walk = 2}), "no key-frame of that walk");
+  EXPECT_THAT(walks_that_stay(*home_).value(), SizeIs(1));
+  ASSERT_OK(undo_edit(*home_, edit));
+  EXPECT_THAT(dataset_views(*home_, {})->views, SizeIs(2));
 }
 
 TEST_F(WalkEdits, ForgettingTakesTheWalksAndTheChangesThatTookThemAway) {

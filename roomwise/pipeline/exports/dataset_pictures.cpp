@@ -11,6 +11,7 @@
 #include "roomwise/mapping/cloud/frame_cloud.h"
 #include "roomwise/pipeline/exports/shared_picture.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
+#include "roomwise/pipeline/stored/stored_edits.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -74,18 +75,19 @@ Expected<void> DatasetOptions::validate() const {
 
 Expected<PictureDataset> dataset_views(const home::Home& home, const DatasetOptions& options) {
   PictureDataset dataset;
-  ROOMWISE_TRY(const auto recordings, home.recordings());
+  ROOMWISE_TRY(const auto recordings, walks_that_stay(home));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   for (const home::Keyframe& keyframe : keyframes) {
     if (options.walk && keyframe.recording != *options.walk) continue;
+    const auto stored =
+        std::ranges::find(recordings, keyframe.recording, &home::StoredRecording::id);
+    if (stored == recordings.end()) continue;
     if (keyframe.pose.component != 0) {
       ++dataset.keyframes_apart;
       continue;
     }
     auto walk = std::ranges::find(dataset.walks, keyframe.recording, &DatasetWalk::id);
     if (walk == dataset.walks.end()) {
-      const auto stored =
-          std::ranges::find(recordings, keyframe.recording, &home::StoredRecording::id);
       dataset.walks.push_back({stored->id, stored->recording.name, stored->recording.camera});
       walk = dataset.walks.end() - 1;
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "roomwise/pipeline/rooms/home_layout.h"
+#include "roomwise/pipeline/stored/stored_edits.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 Expected<std::vector<WalkContent>> walks_of(const home::Home& home,
                                             std::span<const home::Keyframe> keyframes) {
   std::vector<WalkContent> walks;
-  ROOMWISE_TRY(const auto recordings, home.recordings());
+  ROOMWISE_TRY(const auto recordings, walks_that_stay(home));
   for (const home::StoredRecording& stored : recordings) {
     WalkContent& walk = walks.emplace_back();
     walk.stored = stored;

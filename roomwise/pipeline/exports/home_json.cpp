@@ -119,6 +119,7 @@ Json sighting_json(const std::optional<Sighting>& seen, const HomeContents& cont
   if (!seen) return nullptr;
   const auto walk = std::ranges::find(contents.walks, seen->walk,
                                       [](const WalkContent& one) { return one.stored.id; });
+  if (walk == contents.walks.end()) return nullptr;  // it is taken away
   return {{"walk", walk - contents.walks.begin()}, {"time_s", seconds_between(0, seen->time_ns)}};
 }
 

@@ -9,7 +9,7 @@
 namespace roomwise::pipeline {
 namespace {
 
-// Where the camera was at each frame of each walk, on the largest component.
+// Where the camera was at each frame of each walk, on the map.
 Expected<std::vector<fusion::CameraPath>> walked_paths(const home::Home& home,
                                                        const fusion::GravityAlignedFrame& frame) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
@@ -30,9 +30,7 @@ Expected<std::vector<fusion::CameraPath>> walked_paths(const home::Home& home,
 }
 
 // The storeys with their places on the plan; one where the walks show no more.
-fusion::Storeys storeys_of(const fusion::TriangleMesh& mesh_gravity,
-                           const std::vector<fusion::CameraPath>& paths) {
-  fusion::StoreysFound found = fusion::find_storeys(mesh_gravity, paths);
+fusion::Storeys storeys_of(const fusion::TriangleMesh& mesh_gravity, fusion::StoreysFound found) {
   if (found.floors_m.size() < 2) return {};
   constexpr double kSame_m = 0.1;  // the floor of the frame is one of them
   if (std::abs(found.floors_m.front()) < kSame_m) found.floors_m.front() = 0;
@@ -103,7 +101,10 @@ Expected<GravityAlignedMap> build_gravity_aligned_map(const home::Home& home,
   fusion::GravityAlignedFrame frame = fusion::find_gravity_aligned_frame(mesh, cameras, gravity);
   if (frame.has_floor) {
     ROOMWISE_TRY(const auto paths, walked_paths(home, frame));
-    frame.storeys = storeys_of(fusion::transformed(frame.gravity_from_world, mesh), paths);
+    const fusion::TriangleMesh mesh_gravity = fusion::transformed(frame.gravity_from_world, mesh);
+    fusion::StoreysFound found = fusion::find_storeys(mesh_gravity, paths);
+    frame.gravity_from_world.translation.z() -= fusion::only_level_m(found);
+    frame.storeys = storeys_of(mesh_gravity, std::move(found));
   }
   return GravityAlignedMap{std::move(dense), std::move(mesh), frame};
 }

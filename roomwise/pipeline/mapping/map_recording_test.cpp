@@ -703,6 +703,28 @@ TEST_F(MapFurtherWalks, OfAnotherHomeStaysAComponentOfItsOwn) {
   EXPECT_LT(error_m(home, 1, SyntheticWalk(kFrames)), 0.03) << "the map is what it was";
 }
 
+TEST_F(MapFurtherWalks, OfAnotherHomeIsNotTheMapThoughItIsLonger) {
+  SyntheticWalk elsewhere = further_walk(2 * kFrames);
+  elsewhere.home = 1;
+  const auto summary = map(home_, elsewhere, 2);
+  ASSERT_OK(summary);
+  EXPECT_EQ(summary->components, 2U);
+  EXPECT_EQ(summary->placed, 0U) << "on the map that is there";
+  home::Home home = *home::Home::open(home_);
+  std::map<home::RecordingId, std::size_t> keyframes, of_map;
+  for (const home::Keyframe& one : *home.keyframes()) {
+    ++keyframes[one.recording];
+    if (one.pose.component == 0) ++of_map[one.recording];
+  }
+  EXPECT_GT(keyframes[2], keyframes[1]);
+  EXPECT_EQ(of_map[1], keyframes[1]);
+  EXPECT_EQ(of_map[2], 0U);
+  ASSERT_OK(forget_walk(home, 1));
+  for (const home::Keyframe& one : *home.keyframes()) {
+    EXPECT_EQ(one.pose.component, 0U) << "once the other is gone";
+  }
+}
+
 // As a bookcase of one make in two homes would.
 TEST_F(MapFurtherWalks, OfAnotherHomeThatSharesOneThingStaysAComponentOfItsOwn) {
   constexpr int kAhead = 5;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <set>
 
+#include "roomwise/base/calendar_time.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/objects/changes/changes.h"
 #include "roomwise/objects/instances/center_point.h"
@@ -83,10 +84,25 @@ Expected<std::uint64_t> update_by_rules(home::Home& home, const objects::ObjectR
   return found.size();
 }
 
-// Without what is known to be past, and with what later visits brought.
+// Whether a walk, by its stamps, saw a thing after a visit was over. False where stamps do not tell
+// the date.
+bool is_after(const Sighting& seen, const home::Visit& visit) {
+  return calendar_time(seen.time_ns) && calendar_time(visit.last_timestamp_ns) &&
+         seen.time_ns > visit.last_timestamp_ns;
+}
+
+// What walks show, without what visits know to be past unless a later walk saw it there again, and
+// with what visits brought.
 Expected<std::vector<objects::Instance>> as_visits_left_it(
-    const home::Home& home, std::vector<objects::Instance> joined,
+    const home::Home& home, const HomeHistory& history,
     const std::map<home::KeyframeId, home::KeyframePose>& poses) {
+  std::vector<objects::Instance> joined;
+  std::vector<Sighting> last_seen;  // of each
+  for (const ThingHistory& one : history.things) {
+    if (one.is_gone) continue;
+    joined.push_back(one.as_it_stands());
+    last_seen.push_back(one.last_seen);
+  }
   const auto standing = [&](const objects::Instance& one) {
     return objects::PlacedInstance{
         one.name, one.box_world(poses.at(one.keyframe_id).world_from_keyframe), {}};
@@ -95,11 +111,14 @@ Expected<std::vector<objects::Instance>> as_visits_left_it(
     return poses.at(one.keyframe_id).component;
   };
   ROOMWISE_TRY(const auto past, home.past_instances());
+  ROOMWISE_TRY(const auto visits, home.visits());
   std::vector<objects::PlacedInstance> gone, there;
+  std::vector<home::VisitId> noticed_by;  // of what is gone
   for (const home::PastInstance& one : past) {
     // What a visit brought and another took away was never joined from key-frames.
     if (one.instance.visit == 0 && component_of(one.instance) == 0) {
       gone.push_back(standing(one.instance));
+      noticed_by.push_back(one.noticed_by);
     }
   }
   std::vector<std::size_t> places;  // in joined, of what is there
@@ -109,8 +128,11 @@ Expected<std::vector<objects::Instance>> as_visits_left_it(
     there.push_back(standing(joined[i]));
   }
   std::set<std::size_t> left_out;
-  for (const auto& match : objects::match_past(gone, there)) {
-    if (match) left_out.insert(places[*match]);
+  const auto matches = objects::match_past(gone, there);
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    if (!matches[i]) continue;
+    const std::size_t place = places[*matches[i]];
+    if (!is_after(last_seen[place], visits.at(noticed_by[i]))) left_out.insert(place);
   }
   std::vector<objects::Instance> instances;
   for (std::size_t i = 0; i < joined.size(); ++i) {
@@ -125,12 +147,7 @@ Expected<std::vector<objects::Instance>> as_visits_left_it(
 Expected<std::uint64_t> update_instances(home::Home& home) {
   ROOMWISE_TRY(const HomeHistory history, follow_things(home));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  std::vector<objects::Instance> joined;
-  for (const ThingHistory& one : history.things) {
-    if (!one.is_gone) joined.push_back(one.as_it_stands());
-  }
-  ROOMWISE_TRY(const auto instances,
-               as_visits_left_it(home, std::move(joined), poses_by_id(keyframes)));
+  ROOMWISE_TRY(const auto instances, as_visits_left_it(home, history, poses_by_id(keyframes)));
   ROOMWISE_RETURN_IF_ERROR(home.replace_instances(instances));
   ROOMWISE_RETURN_IF_ERROR(keep_home_history(home, history));
   return instances.size();

@@ -56,8 +56,9 @@ class ThingHistories : public ::testing::Test {
     finders_.in_pictures.push_back(std::make_unique<testing::RedFinder>());
     home_.emplace(create_home(folder_ / "a.home").value());
   }
-  void walk(const std::optional<DrawnBox>& box) {
+  void walk(const std::optional<DrawnBox>& box, TimestampNs begins_ns = 1'000'000'000) {
     WalkWithBox source(kFrames, kStep_rad, box);
+    source.begin_at(begins_ns);
     map(source);
   }
   void map(recording::FrameSource& source) {
@@ -136,6 +137,22 @@ TEST_F(ThingHistories, WhatIsGoneIsListedNoMoreAndMayComeBack) {
   EXPECT_THAT(words(told.things[0]), ElementsAre("new"));
   EXPECT_TRUE(told.things[1].is_gone);
   EXPECT_EQ(home_->instances()->size(), 1U);
+}
+
+TEST_F(ThingHistories, WhatAVisitFoundGoneIsThereOnceAWalkAfterItSawIt) {
+  constexpr TimestampNs kDay_ns = 86'400'000'000'000;
+  constexpr TimestampNs kMonday_ns = 1'760'000'000'000'000'000;
+  constexpr TimestampNs kVisit_ns = kMonday_ns + 2 * kDay_ns;
+  for (const int day : {1, 3}) {
+    home_.emplace(create_home(folder_ / fmt::format("{}.home", day)).value());
+    walk(kBox, kMonday_ns);
+    home::HomeChanges gone{.visit = {"visit", "", kVisit_ns, kVisit_ns, 1, 1}};
+    gone.past.push_back({.instance = home_->instances()->front()});
+    ASSERT_OK(home_->apply_changes(gone));
+    EXPECT_TRUE(home_->instances()->empty());
+    walk(kBoxAgain, kMonday_ns + day * kDay_ns);
+    EXPECT_EQ(home_->instances()->size(), day == 3 ? 1U : 0U) << day;
+  }
 }
 
 TEST_F(ThingHistories, WhatAWalkDidNotLookAtStaysAndItIsSaid) {

@@ -12,6 +12,7 @@
 #include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/pipeline/rooms/home_layout.h"
 #include "roomwise/pipeline/rooms/room_outline.h"
+#include "roomwise/pipeline/stored/stored_edits.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"
 
@@ -86,7 +87,7 @@ struct Stored {
 
 Expected<Stored> read(const home::Home& home) {
   Stored stored;
-  ROOMWISE_TRY(stored.recordings, home.recordings());
+  ROOMWISE_TRY(stored.recordings, walks_that_stay(home));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   for (const home::Keyframe& keyframe : keyframes) stored.keyframes[keyframe.id] = keyframe;
   ROOMWISE_TRY(stored.edges, home.edges());
@@ -159,6 +160,10 @@ Expected<std::vector<ReportContent::Object>> report_objects(
   for (const ShownObject& object : stored.objects) {
     const home::Keyframe& keyframe = stored.keyframes.at(object.keyframe);
     if (keyframe.pose.component != 0) continue;  // nobody knows where on this map it is
+    if (std::ranges::find(stored.recordings, keyframe.recording, &home::StoredRecording::id) ==
+        stored.recordings.end()) {
+      continue;  // its picture is of a walk that is taken away
+    }
     ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe.id));
     ROOMWISE_TRY(const image::ColorImage picture, image::decode_color(images.color));
     objects.push_back({{object.name, keyframe.pose.world_from_keyframe * object.place_keyframe},

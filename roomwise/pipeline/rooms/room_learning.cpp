@@ -9,6 +9,7 @@
 #include "roomwise/image/picture_files.h"
 #include "roomwise/pipeline/rooms/picture_features.h"
 #include "roomwise/pipeline/stored/lost_pictures.h"
+#include "roomwise/pipeline/stored/stored_edits.h"
 #include "roomwise/rooms/recognition/room_decision.h"
 
 namespace roomwise::pipeline {
@@ -157,7 +158,7 @@ Expected<void> add_variants(home::Home& home, const home::Network& network,
 Expected<std::map<home::RecordingId, recording::RoomLabels>> named_walks(
     const home::Home& home, const RoomLearning& learning) {
   const std::vector<home::RecordingId>& walks = learning.walks;
-  ROOMWISE_TRY(const auto recordings, home.recordings());
+  ROOMWISE_TRY(const auto recordings, walks_that_stay(home));
   std::map<home::RecordingId, recording::RoomLabels> named;
   for (const home::StoredRecording& recording : recordings) {
     if (!walks.empty() && std::ranges::find(walks, recording.id) == walks.end()) continue;

@@ -166,6 +166,14 @@ std::set<home::RecordingId> walks_taken_away(std::span<const StoredEdit> edits) 
   return walks;
 }
 
+Expected<std::vector<home::StoredRecording>> walks_that_stay(const home::Home& home) {
+  ROOMWISE_TRY(auto walks, home.recordings());
+  ROOMWISE_TRY(const auto edits, stored_edits(home));
+  const std::set<home::RecordingId> taken = walks_taken_away(edits);
+  std::erase_if(walks, [&](const home::StoredRecording& one) { return taken.contains(one.id); });
+  return walks;
+}
+
 void call_as_later(std::span<const StoredEdit> later, EditChange& change) {
   for (const StoredEdit& edit : later) {
     const bool is_renamed = edit.kind == EditKind::kRenameRoom;

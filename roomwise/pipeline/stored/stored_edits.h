@@ -76,6 +76,8 @@ struct StoredEdit {
 
 // Walks that are taken away. `edits`: of the home.
 [[nodiscard]] std::set<home::RecordingId> walks_taken_away(std::span<const StoredEdit> edits);
+// The home's walks but those: what is shown, written for others and learned from.
+[[nodiscard]] Expected<std::vector<home::StoredRecording>> walks_that_stay(const home::Home& home);
 
 // Calls a change's rooms as changes after it do: those that renamed or joined them.
 void call_as_later(std::span<const StoredEdit> later, EditChange& change);

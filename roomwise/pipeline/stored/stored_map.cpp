@@ -99,6 +99,21 @@ std::vector<std::size_t> parts_of_map(std::span<const home::Keyframe> keyframes,
   return parts;
 }
 
+// The map stays the map: the component that has most of its key-frames of before becomes 0, also
+// where a walk that joins nothing has more.
+void keep_map_first(std::vector<std::size_t>& component,
+                    std::span<const home::Keyframe> keyframes_of_before) {
+  std::map<std::size_t, std::size_t> of_map;  // how many key-frames, by component
+  for (const home::Keyframe& keyframe : keyframes_of_before) {
+    if (keyframe.pose.component == 0) ++of_map[component[keyframe.id]];
+  }
+  if (of_map.empty()) return;
+  const std::size_t map =
+      std::ranges::max_element(of_map, {}, &std::pair<const std::size_t, std::size_t>::second)
+          ->first;
+  for (std::size_t& one : component) one = one == map ? 0 : one < map ? one + 1 : one;
+}
+
 // Solves the map without joins that too few edges bear out, or that the views contradict where they
 // would put them; those edges go from `edges`.
 Expected<SolvedMap> solve_joined(const home::Home& home, const std::vector<std::size_t>& part_of,
@@ -116,7 +131,7 @@ Expected<SolvedMap> solve_joined(const home::Home& home, const std::vector<std::
   }
 }
 
-// Where the frames of one recording are, those of other components than the largest left out.
+// Where the frames of one recording are, those of other components than the map's left out.
 std::vector<mapping::PlacedFrame> place_frames(
     std::span<const scene::Frame> frames,
     std::span<const std::optional<geometry::RigidTransform>> poses,
@@ -149,6 +164,11 @@ Expected<SolvedMap> solve_stored_map(home::Home& home, const MapSettings& settin
   ROOMWISE_TRY(SolvedMap solved,
                solve_joined(home, parts_of_map(keyframes, recordings), edges, settings.solver));
   solved.solution.rejected_edges += measured.size() - edges.size();
+  keep_map_first(
+      solved.solution.component,
+      std::span(keyframes).first(recordings.back().finished
+                                     ? keyframes.size()
+                                     : first_keyframe_of(keyframes, recordings.back().id)));
   if (settings.adjusts_bundle() && !keyframes.empty()) {
     ROOMWISE_TRY(solved.refinement,
                  refine(home, keyframes, edges, solved.solution, find_features,
@@ -180,8 +200,8 @@ Expected<void> forget_walk(home::Home& home, home::RecordingId walk) {
     if (keyframes.empty() || !settings) return {};
     ROOMWISE_TRY(const mapping::PoseGraph graph, stored_pose_graph(home, settings->solver));
     std::size_t components = 0;
-    const auto component_of =
-        mapping::components_by_size(keyframes.size(), graph.edges, components);
+    auto component_of = mapping::components_by_size(keyframes.size(), graph.edges, components);
+    keep_map_first(component_of, keyframes);
     // Each lies in the world of its first key-frame, also where that was another's before.
     std::map<home::KeyframeId, home::KeyframePose> poses;
     std::map<std::size_t, geometry::RigidTransform> first_from_world;

@@ -36,6 +36,7 @@ class WalkWithBox final : public recording::FrameSource {
  public:
   WalkWithBox(int frames, double step_rad, std::optional<DrawnBox> box)
       : walk_(frames, step_rad), box_(box) {}
+  void begin_at(TimestampNs begins_ns) { walk_.begins_ns = begins_ns; }
   [[nodiscard]] const recording::SourceInfo& info() const override { return walk_.info(); }
   void skip_before(std::uint64_t index) override { walk_.skip_before(index); }
   [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {

@@ -289,6 +289,16 @@ TEST_F(UpdateHome, GoesOnWithoutAPictureThatCannotBeReadWhereItIsToldTo) {
   EXPECT_EQ(update->changes.visit.frames, std::uint64_t{kFrames - 1});
 }
 
+TEST_F(UpdateHome, OfALongVisitEvenlySpreadFramesAreLookedAt) {
+  const auto folder = folder_ / "visit";
+  ASSERT_OK(write_walk(folder, kFrames, kStep_rad, kBox));
+  UpdateOptions options;
+  options.visit.max_frames = 5;
+  const auto update = compare(folder, options);
+  ASSERT_OK(update);
+  EXPECT_EQ(update->changes.visit.frames, 5U) << "every third of 14";
+}
+
 TEST_F(UpdateHome, SaysWhatIsMissing) {
   const auto folder = folder_ / "visit";
   ASSERT_OK(write_walk(folder, 2, kStep_rad, kBox));

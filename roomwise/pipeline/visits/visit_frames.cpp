@@ -123,11 +123,14 @@ Expected<VisitFrames> place_frames(const VisitRecording& visit, const VisitLooke
     }
     return {};
   };
-  run.progress.begin("looking at the visit", visit.recording.frames().size());
+  const std::uint64_t all = visit.recording.frames().size();
+  const std::uint64_t every =
+      std::max(options.every, (all + options.max_frames - 1) / options.max_frames);
+  run.progress.begin("looking at the visit", all);
   for (std::uint64_t count = 0; !run.progress.interrupted(); ++count) {
     ROOMWISE_TRY(auto frame, visit.frames.next());
     if (!frame) break;
-    if (count % options.every != 0) continue;
+    if (count % every != 0) continue;
     if (frames.visit.frames++ == 0) frames.visit.first_timestamp_ns = frame->timestamp_ns;
     frames.visit.last_timestamp_ns = frame->timestamp_ns;
     block.push_back(*std::move(frame));
@@ -224,6 +227,7 @@ Expected<OwnThingSightings> find_own_things_of_visit(const home::Home& home,
 
 Expected<void> VisitOptions::validate() const {
   if (every < 1) return fail("every is {}; expected at least 1", every);
+  if (max_frames < 1) return fail("max_frames is {}; expected at least 1", max_frames);
   ROOMWISE_RETURN_IF_ERROR(localizer.validate());
   return rooms ? rooms->validate() : Expected<void>{};
 }

@@ -19,6 +19,8 @@ namespace roomwise::pipeline {
 
 struct VisitOptions {
   std::uint64_t every = 1;  // of the visit's frames
+  // Of more, evenly spread ones are looked at: their depth stays in memory, 0.6 MB each at 640x480.
+  std::uint64_t max_frames = 2000;
   mapping::LocalizerOptions localizer;
   // How the learned rooms are refreshed; absent: they stay as they are.
   std::optional<rooms::VisitLearningOptions> rooms = rooms::VisitLearningOptions{};
