@@ -397,7 +397,9 @@ void add_edit_commands(CLI::App& app, Context& context) {
                 "--home my.home", undo);
   undo_command->add_option("CHANGE", of_undo.change,
                            "Its number in edit list; default: the newest");
-  group.add("forget", "Forget removed rooms for good: they cannot be undone any more",
+  group.add("forget",
+            "Forget removed rooms, and walks that were taken away, for good: they cannot be undone "
+            "any more",
             "--home my.home", forget);
   add_thing_changes(group);
   add_room_changes(group);
