@@ -36,7 +36,7 @@ int cells_between(double low_m, double high_m, double cell_m) {
 FloorCell state_of(const Column& column, const FloorGridOptions& options) {
   if (column.in_the_way >= kFewestVertices) return FloorCell::kOccupied;
   if (column.floor > 0) return FloorCell::kFree;
-  if (options.marks_drops && column.empty_below > 0) return FloorCell::kOccupied;
+  if (column.empty_below > 0) return FloorCell::kOccupied;
   const auto is_seen = [&](int empty, double up_to_m) {
     return empty >= options.min_empty * cells_between(options.step_m, up_to_m, options.cell_m);
   };

@@ -22,9 +22,6 @@ struct FloorGridOptions {
   // Where the floor itself was not seen, the space above it must have been seen empty: that share
   // of it, and of its lowest half metre, where a box would stand.
   double min_empty = 0.6;
-  // Of several storeys: where the floor was not seen and the space below it was seen empty, one
-  // would fall: occupied.
-  bool marks_drops = false;
 
   [[nodiscard]] Expected<void> validate() const;
 };
@@ -74,8 +71,9 @@ class FloorGrid {
   std::vector<float> clearance_m_;  // row * columns + column
 };
 
-// Occupied: the surface passes between step and person's height. Free, otherwise: the floor was
-// seen, or enough of the space above it was seen empty (see min_empty). `cells` is the occupancy
+// Occupied: the surface passes between step and person's height; or the floor was not seen and the
+// space below it was seen empty, so that one would fall. Free, otherwise: the floor was seen, or
+// enough of the space above it was seen empty (see min_empty). `cells` is the occupancy
 // at the grid's cell size; mesh and cells in the gravity-aligned frame. Fails where there is
 // neither surface nor cell.
 [[nodiscard]] Expected<FloorGrid> make_floor_grid(const TriangleMesh& mesh_gravity,

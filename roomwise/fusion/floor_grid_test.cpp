@@ -130,15 +130,13 @@ TEST(FloorGrid, OfNothingInTheWayIsClearEverywhere) {
 }
 
 // Space over a stairwell was seen empty, as over floor; what lies below tells them apart.
-TEST(FloorGrid, WhereOneWouldFallIsOccupiedOnceStoreysAreTold) {
+TEST(FloorGrid, WhereOneWouldFallIsOccupied) {
   std::vector<OccupancyCell> cells;
   for (int z = -9; z < 40; ++z) cells.push_back({{0, 0, z}, false});  // a drop
   for (int z = 1; z < 40; ++z) cells.push_back({{1, 0, z}, false});   // floor that was not seen
-  const auto as_one = make_floor_grid({}, cells).value();
-  EXPECT_EQ(as_one.at(0, 0), FloorCell::kFree);
-  const auto of_storey = make_floor_grid({}, cells, {.marks_drops = true}).value();
-  EXPECT_EQ(of_storey.at(0, 0), FloorCell::kOccupied);
-  EXPECT_EQ(of_storey.at(1, 0), FloorCell::kFree);
+  const auto grid = make_floor_grid({}, cells).value();
+  EXPECT_EQ(grid.at(0, 0), FloorCell::kOccupied);
+  EXPECT_EQ(grid.at(1, 0), FloorCell::kFree);
 }
 
 TEST(FloorGrid, NeedsSomethingToBeSeen) {

@@ -1,6 +1,7 @@
 #include "roomwise/network/formats/model_card.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <functional>
 #include <initializer_list>
@@ -150,6 +151,20 @@ Expected<TextNetwork> parse_text_network(const Json& object, const std::string& 
   return text;
 }
 
+bool is_sha256_hex(std::string_view text) {
+  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == text.npos;
+}
+
+std::string preprocessing_text(const std::string& card) {
+  const Json all = Json::parse(card);
+  Json text = Json::object();
+  for (const char* field :
+       {"task", "input", "mean", "scale", "outputs", "first_label", "architecture"}) {
+    if (all.contains(field)) text[field] = all[field];
+  }
+  return text.dump();
+}
+
 }  // namespace
 
 bool finds_things(Task task) {
@@ -206,6 +221,11 @@ Expected<ModelCard> ModelCard::parse(std::string_view json, const std::string& o
   ROOMWISE_TRY(result.license, card.text("license", ""));
   ROOMWISE_TRY(result.source, card.text("source", ""));
   ROOMWISE_TRY(result.sha256, card.text("sha256", ""));
+  std::ranges::transform(result.sha256, result.sha256.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (!result.sha256.empty() && !is_sha256_hex(result.sha256)) {
+    return fail("{}: sha256: expected 64 hexadecimal digits", origin);
+  }
   ROOMWISE_TRY(result.notes, card.texts("notes"));
   const bool matches_words = result.task == Task::kMatchWords;
   if (matches_words != root.contains("text")) {
@@ -235,7 +255,9 @@ Expected<ModelCard> find_model_card(const std::filesystem::path& weights) {
   std::error_code ignored;
   if (std::filesystem::exists(beside, ignored)) {
     ROOMWISE_TRY(const std::string json, read_text_file(beside));
-    return ModelCard::parse(json, beside.string()).map(with_name);
+    ROOMWISE_TRY(ModelCard card, ModelCard::parse(json, beside.string()));
+    card.own_preprocessing = preprocessing_text(json);
+    return with_name(std::move(card));
   }
   for (const BuiltInText& card : built_in_cards()) {
     if (card.name == name) {

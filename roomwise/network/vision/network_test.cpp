@@ -148,13 +148,32 @@ TEST_F(OnnxClassifierTest, JoinsSeveralOutputsSoThatEachCountsTheSame) {
               ::testing::Pointwise(::testing::FloatEq(), {0.8F, 0.F, 0.6F, 0.8F, 0.F, 0.6F}));
 }
 
-TEST_F(OnnxClassifierTest, FingerprintIsTheHashOfTheWeights) {
-  const auto weights = write_tiny();
-  const auto network = OnnxClassifier::load(weights);
-  ASSERT_OK(network);
-  const auto bytes = read_file(weights);
+// What was seen by another card is not what it would see now.
+TEST_F(OnnxClassifierTest, FingerprintIsOfTheWeightsAndOfWhatTheCardPutsIn) {
+  const auto fingerprint = [&](const std::string& card,
+                               const std::string& weights = mean_color_network()) {
+    return OnnxClassifier::load(write_tiny(card, weights)).value()->fingerprint();
+  };
+  const std::string plain = fingerprint("");
+  EXPECT_EQ(plain.size(), 64U);
+  EXPECT_EQ(fingerprint(R"(, "license": "MIT", "notes": ["seen"])"), plain);
+  EXPECT_NE(fingerprint(R"(, "mean": [0, 0, 1])"), plain);
+  EXPECT_NE(fingerprint(R"(, "scale": [1, 1, 2])"), plain);
+  const auto bytes = read_file(write_tiny());
   ASSERT_OK(bytes);
-  EXPECT_EQ((*network)->fingerprint(), sha256_hex(*bytes));
+  EXPECT_NE(sha256_hex(*bytes), plain);
+}
+
+TEST_F(OnnxClassifierTest, ACardsDigestMayBeInCapitalsAndIsWhole) {
+  const auto bytes = read_file(write_tiny());
+  ASSERT_OK(bytes);
+  std::string digest = sha256_hex(*bytes);
+  std::ranges::transform(digest, digest.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  EXPECT_OK(OnnxClassifier::load(write_tiny(R"(, "sha256": ")" + digest + "\"")));
+  digest.pop_back();
+  EXPECT_ERROR(OnnxClassifier::load(write_tiny(R"(, "sha256": ")" + digest + "\"")),
+               "sha256: expected 64 hexadecimal digits");
 }
 
 TEST_F(OnnxClassifierTest, RefusesAPictureWithoutPixels) {

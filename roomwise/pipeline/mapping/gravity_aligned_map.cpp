@@ -135,8 +135,6 @@ Expected<std::vector<fusion::FloorGrid>> floor_grids_of(const GravityAlignedMap&
     return fail("the map shows no floor; walk with the camera tilted down a little");
   }
   ROOMWISE_RETURN_IF_ERROR(validate_cell(options.cell_m, map.dense.field().voxel_size_m()));
-  fusion::FloorGridOptions of_storey = options;
-  of_storey.marks_drops = options.marks_drops || map.frame.storeys.are_several();
   std::vector<fusion::FloorGrid> grids;
   for (std::size_t i = 0; i < map.frame.storeys.count(); ++i) {
     geometry::RigidTransform storey_from_world = map.frame.gravity_from_world;
@@ -145,7 +143,7 @@ Expected<std::vector<fusion::FloorGrid>> floor_grids_of(const GravityAlignedMap&
                                                options.cell_m, run.pool);
     ROOMWISE_TRY(fusion::FloorGrid grid,
                  fusion::make_floor_grid(fusion::transformed(storey_from_world, map.mesh_world),
-                                         cells, of_storey));
+                                         cells, options));
     grids.push_back(std::move(grid));
   }
   return grids;
