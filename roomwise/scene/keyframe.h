@@ -22,8 +22,7 @@ struct KeyframeStamp {
 
 struct KeyframePose {
   geometry::RigidTransform world_from_keyframe;
-  // Poses of one connected component of the map share a world; 0 is the map's, the largest of its
-  // first walk.
+  // Poses of one connected component of the map share a world; the largest is 0.
   std::uint64_t component = 0;
 };
 
