@@ -95,6 +95,14 @@ TEST(CommandLine, WrongUsageIsExitCodeTwo) {
   }
 }
 
+TEST(CommandLine, APathThatMayNotBeLookedAtIsToldAsSuch) {
+  const std::string path(300, 'a');  // longer than any name
+  const ProgramResult told = run_roomwise({"info", path});
+  EXPECT_EQ(told.exit_code, 1);
+  EXPECT_THAT(told.errors, HasSubstr(path + ": File name too long"));
+  EXPECT_THAT(told.errors, Not(HasSubstr("internal error")));
+}
+
 TEST(CommandLine, TellsItsVersion) {
   const ProgramResult version = run_roomwise({"--version"});
   EXPECT_EQ(version.exit_code, 0);

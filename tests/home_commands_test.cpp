@@ -452,7 +452,8 @@ TEST_F(HomeCommandsTest, AFurtherWalkJoinsTheMapAndCanBeTakenOut) {
               HasSubstr("is finished"));
   EXPECT_THAT(error_of({"forget", "sunday", "--home", home}),
               HasSubstr("give one of walk (#1), later (#2)"));
-  const json left = result_of({"forget", "walk", "--home", home});
+  // As the commands call it that tell of two walks of one name.
+  const json left = result_of({"forget", "walk (#1)", "--home", home});
   EXPECT_EQ(left.at("walks"), 1);
   EXPECT_EQ(result_of({"info", home, "--verify"}).at("recordings")[0].at("name"), "later");
 }

@@ -1,5 +1,6 @@
 #include "command.h"
 
+#include <filesystem>
 #include <iostream>
 #include <new>
 
@@ -66,6 +67,8 @@ int print_answer(const Answer& answer, const Context& context) {
 Expected<Answer> carry_out(const std::function<Expected<Answer>()>& body) {
   try {
     return body();
+  } catch (const std::filesystem::filesystem_error& fault) {  // a folder that may not be searched
+    return fail("{}: {}", fault.path1().string(), fault.code().message());
   } catch (const std::bad_alloc&) {
     return fail("there is not enough memory for this");
   } catch (const std::exception& fault) {

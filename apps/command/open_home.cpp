@@ -86,8 +86,10 @@ Expected<home::RecordingId> find_walk(const home::Home& home, const std::string&
   std::vector<home::RecordingId> found;
   for (const home::StoredRecording& walk : recordings) {
     const std::string number = fmt::format("#{}", names.size() + 1);
-    if (walk.recording.name == text || number == text) found.push_back(walk.id);
     names.push_back(fmt::format("{} ({})", walk.recording.name, number));
+    if (walk.recording.name == text || number == text || names.back() == text) {
+      found.push_back(walk.id);
+    }
   }
   if (found.size() == 1) return found.front();
   return fail("{}: has {} walks '{}'; give one of {}", home.file(), found.size(), text,

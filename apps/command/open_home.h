@@ -16,7 +16,8 @@ namespace roomwise::app {
 [[nodiscard]] Expected<home::Home> open_home_read_only(const std::filesystem::path& path,
                                                        const Context& context);
 
-// The walk of that name, or with "#2" the second that roomwise info lists; no text: the newest.
+// The walk of that name, or with "#2" or "NAME (#2)" the second that roomwise info lists; no text:
+// the newest.
 // Fails where there is none, or several of the name.
 [[nodiscard]] Expected<home::RecordingId> find_walk(const home::Home& home,
                                                     const std::string& text);

@@ -301,8 +301,9 @@ Expected<Answer> run(const InfoOptions& options, Context& context) {
     return describe_recording(path);
   }
   if (path.extension() == ".g2o") return describe_pose_graph(path);
-  const bool is_network = path.extension() == ".onnx" || network::is_eight_bit_file(path);
-  if (is_network) return describe_network(path);
+  if (network::has_ending_of_network(path) || network::is_eight_bit_file(path)) {
+    return describe_network(path);
+  }
   const std::string bytes = first_bytes(path);
   if (bytes.starts_with("\x89PNG") || bytes.starts_with("\xff\xd8\xff")) {
     return describe_picture(path);
@@ -311,8 +312,9 @@ Expected<Answer> run(const InfoOptions& options, Context& context) {
     return describe_home(options, context);
   }
   return fail(
-      "{}: is not known; expected a home, a recording, .g2o, .onnx, .eightbits, PNG or "
-      "JPEG",
+      "{}: is not known; expected a home, a recording, .g2o, .onnx, .pth, .safetensors, "
+      ".eightbits, "
+      "PNG or JPEG",
       path.string());
 }
 

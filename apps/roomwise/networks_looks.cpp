@@ -1,5 +1,7 @@
 // Of "networks": what a network is, and what it costs here.
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -125,7 +127,7 @@ std::size_t resident_bytes() {
   std::size_t all = 0;
   std::size_t resident = 0;
   std::ifstream("/proc/self/statm") >> all >> resident;
-  return resident * 4096;
+  return resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
 // Grey noise: a network's time does not depend on what it sees.

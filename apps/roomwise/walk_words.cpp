@@ -14,7 +14,7 @@ Expected<WalkWords> WalkWords::of(const home::Home& home) {
   for (const home::StoredRecording& one : recordings) {
     ++number;
     const std::string& name = one.recording.name;
-    words.names_[one.id] = count[name] > 1 ? fmt::format("{} (walk {})", name, number) : name;
+    words.names_[one.id] = count[name] > 1 ? fmt::format("{} (#{})", name, number) : name;
   }
   const guide::MessageCatalogue catalogue = guide::MessageCatalogue::built_in();
   for (int month = 1; month <= 12; ++month)

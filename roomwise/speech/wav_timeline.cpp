@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <utility>
 
@@ -54,9 +55,10 @@ Expected<void> check_may_overwrite(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path, error) || std::filesystem::file_size(path, error) == 0) {
     return {};
   }
-  ROOMWISE_TRY(const Bytes bytes, read_file(path));
-  const bool is_wav = bytes.size() >= 12 && std::memcmp(bytes.data(), "RIFF", 4) == 0 &&
-                      std::memcmp(bytes.data() + 8, "WAVE", 4) == 0;
+  std::array<char, 12> head{};
+  std::ifstream(path, std::ios::binary).read(head.data(), head.size());
+  const bool is_wav =
+      std::memcmp(head.data(), "RIFF", 4) == 0 && std::memcmp(head.data() + 8, "WAVE", 4) == 0;
   if (!is_wav) return fail("{} is no WAV file; give another name", path.string());
   return {};
 }
