@@ -68,7 +68,8 @@ std::optional<GoalBearing> Guidance::goal_bearing() const {
 
 bool Guidance::judges_obstacles(TimestampNs now_ns) const {
   if (state_ == State::kStairs) return true;
-  const bool is_told_to_turn = state_ == State::kTurning || state_ == State::kLost;
+  const bool is_told_to_turn =
+      state_ == State::kLost || (state_ == State::kTurning && !track_.is_walking());
   if (is_told_to_turn && now_ns < said_.turns_until_ns) return true;
   const bool leads =
       !is_over() && state_ != State::kPaused && state_ != State::kByRooms && state_ != State::kLost;
@@ -249,8 +250,8 @@ Prompt Guidance::act(const Pose& pose) {
 
 std::optional<Prompt> Guidance::turning(const Pose& pose) {
   const bool has_turned = std::abs(turn_rad(turn_from_rad_, pose.heading_rad)) > 8 * kDegree_rad;
-  const bool walks = track_.speed_m_s().value_or(0) > kMinWalkingSpeed_m_s;
-  if (walks && !has_turned && silent_for_s() > kReaction_s) return stop({"guide.stop"});
+  // Who has turned and does not wait for what comes next knows neither how far nor past what.
+  if (track_.is_walking() && silent_for_s() > kReaction_s) return stop({"guide.stop"});
   if (has_turned && !track_.may_turn() && track_.is_standing() && silent_for_s() > 0.5) {
     return act(pose);
   }
@@ -633,8 +634,8 @@ Prompt Guidance::no_place() {
 
 // Who walks on would not be there any more when they have heard it.
 Prompt Guidance::arrive_or_stop(const Pose& pose) {
-  const bool walks = track_.speed_m_s().value_or(0) > kMinWalkingSpeed_m_s;
-  return walks && !way_.comes_to_rest(pose) ? stop({"guide.stop"}) : arrive(pose);
+  const bool walks_past = track_.is_walking() && !way_.comes_to_rest(pose);
+  return walks_past ? stop({"guide.stop"}) : arrive(pose);
 }
 
 Prompt Guidance::arrive(const Pose& pose) {

@@ -89,8 +89,8 @@ class Guidance {
     return state_ == State::kArrived || state_ == State::kNearest || state_ == State::kEnded;
   }
   // Whether what is in the way is told by it where it matters, or needs no word since somebody
-  // stands, was just told to turn on the spot, or is on stairs. Else whoever sees it must tell:
-  // paused, lost for long or without a place people walk as they like.
+  // stands, was just told to turn and does that on the spot, or is on stairs. Else whoever sees it
+  // must tell: paused, lost for long or without a place people walk as they like.
   [[nodiscard]] bool judges_obstacles(TimestampNs now_ns) const;
   [[nodiscard]] const Goal& goal() const { return way_.goal(); }
   // The floor as it was found on the way.

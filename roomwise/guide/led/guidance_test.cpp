@@ -622,6 +622,18 @@ TEST_F(GuidanceTest, WhoDoesNotTurnForLongHasWhatIsAheadToldByOthers) {
   EXPECT_FALSE(guidance_->judges_obstacles(now_ns_));
 }
 
+// They turned as they were told, and did not wait for how far to walk.
+TEST_F(GuidanceTest, WhoTurnsAndWalksOnIsStoppedAndHearsOfObstacles) {
+  lead_to(bed_at({1, 3}, "bedroom"), {1, 1}, 0);
+  while (guidance_->state() != State::kTurning) (void)hear(0.2);
+  EXPECT_TRUE(guidance_->judges_obstacles(now_ns_));
+  EXPECT_THAT(hear(0.6, 0.5, kPi / 2 / 0.6), IsEmpty());
+  EXPECT_THAT(hear(1, 0.5), IsEmpty()) << "they have just heard of the turn";
+  ASSERT_EQ(guidance_->state(), State::kTurning);
+  EXPECT_FALSE(guidance_->judges_obstacles(now_ns_)) << "nobody walks on the spot";
+  EXPECT_THAT(hear(2, 0.5), ElementsAre("Stop."));
+}
+
 // What was seen from a place that jumped is not there.
 TEST_F(GuidanceTest, WhatIsSeenFromAPlaceThatIsNotBelievedIsNoObstacle) {
   lead_to(bed_at({3.3, 3.3}, "bedroom"), {0.6, 0.6}, kPi / 4);

@@ -106,6 +106,17 @@ bool WalkerTrack::is_standing() const {
   return speed && *speed < kStanding_m_s;
 }
 
+// Who turns with the camera in their hand moves it along an arc.
+bool WalkerTrack::is_walking() const {
+  constexpr double kArm_m = 0.4;
+  const TimedPose* const before = a_while_ago();
+  if (before == nullptr) return false;
+  const TimedPose& newest = poses_.back();
+  const double turned = turn_rad(before->pose.heading_rad, newest.pose.heading_rad);
+  const double arc_m = 2 * kArm_m * std::abs(std::sin(turned / 2));
+  return *speed_m_s() - arc_m / seconds_between(before->at_ns, newest.at_ns) > kMinWalkingSpeed_m_s;
+}
+
 bool WalkerTrack::may_turn() const {
   constexpr double kTurning_rad_s = 10 * kDegree_rad;
   constexpr double kNewer_s = 0.15, kOlder_s = 0.85;

@@ -34,6 +34,8 @@ class WalkerTrack {
   [[nodiscard]] std::optional<double> speed_m_s() const;
   // False where it is not known.
   [[nodiscard]] bool is_standing() const;
+  // And not only turns on the spot; false where it is not known.
+  [[nodiscard]] bool is_walking() const;
   // Turns, or may turn: true where it is not known.
   [[nodiscard]] bool may_turn() const;
   // How far the person walked in all, m.

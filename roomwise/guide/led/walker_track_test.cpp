@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "roomwise/guide/testing/test_times.h"
 
 namespace roomwise::guide {
@@ -25,6 +27,22 @@ TEST(WalkerTrackTest, TellsWhoStandsWalksAndTurns) {
   EXPECT_FALSE(track_of(0, 0, 4).may_turn());
   EXPECT_TRUE(track_of(0, 0.5, 4).may_turn());
   EXPECT_NEAR(track_of(0.6, 0, 11).walked_m(), 3, 0.3);
+}
+
+TEST(WalkerTrackTest, WhoTurnsOnTheSpotDoesNotWalkWhereverTheyHoldTheCamera) {
+  EXPECT_TRUE(track_of(0.6, 0, 4).is_walking());
+  EXPECT_FALSE(track_of(0.2, 0, 4).is_walking());
+  constexpr double kHeld_m = 0.35;
+  WalkerTrack turns;
+  for (int i = 0; i < 4; ++i) {
+    const double heading_rad = 0.6 * i;
+    turns.add({kHeld_m * Eigen::Vector2d(std::cos(heading_rad), std::sin(heading_rad)), heading_rad,
+               0.02},
+              kNow + i * kHalf);
+  }
+  EXPECT_GT(*turns.speed_m_s(), kMinWalkingSpeed_m_s);
+  EXPECT_FALSE(turns.is_walking());
+  EXPECT_FALSE(WalkerTrack().is_walking());
 }
 
 TEST(WalkerTrackTest, WhatOnePictureDoesNotTellIsNotSaid) {
