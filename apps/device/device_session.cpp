@@ -143,11 +143,11 @@ void DeviceSession::lose(const std::string& why, TimestampNs now_ns) {
   recording_.clear();
   is_teaching_ = false;  // the computer forgets what was shown
   if (link_.failed(steady_s(now_ns)) != service::DeviceLink::News::kLost) return;
-  if (!led_by_) {
+  if (!led_.by) {
     return parts_.voice->notice("device.connection_lost", guide::Sound::kLost, now_ns);
   }
   // Who walks by the words of a computer that is gone hears it at once, over them.
-  lead_again_from_ns_ = now_ns;
+  led_.again_from_ns = now_ns;
   parts_.voice->withdraw_answers(now_ns);
   parts_.voice->notice("device.connection_lost_led", guide::Sound::kLost, now_ns);
 }
@@ -177,7 +177,7 @@ void DeviceSession::take(const service::HomeMessage& message, TimestampNs now_ns
     // From now on, if it did not before: a computer that has just begun makes its map ready.
     const bool begins_to_see = welcome->sees_places && !std::exchange(sees_places_, true);
     sees_places_ = welcome->sees_places;
-    if (begins_to_see && lead_again_from_ns_) lead_again_from_ns_ = now_ns;
+    if (begins_to_see && led_.again_from_ns) led_.again_from_ns = now_ns;
   } else if (const auto* arrived = std::get_if<service::FrameArrived>(&message)) {
     link_.acknowledged(arrived->t_ms, steady_s(now_ns));
   } else if (const auto* error = std::get_if<service::ErrorMessage>(&message)) {
@@ -225,40 +225,40 @@ void DeviceSession::watch_guide(const service::PromptMessage& message) {
   if (asked != asked_.end() && asked->second.question != service::Question::kGuide) {
     const bool asks = asks_to_be_led(asked->second.question);
     if (is_of_guide && (asks || begins_guidance(message.message))) {
-      led_by_ = asked->second;
-      lead_again_from_ns_.reset();
-      is_paused_ = false;
+      led_ = {.by = asked->second};
     } else if (asks) {
-      led_by_.reset();
+      lead_as_before(asked->second);
     }
   }
-  if (message.message == "guide.paused") is_paused_ = true;
-  if (message.message == "guide.resumed") is_paused_ = false;
+  if (message.message == "guide.paused") led_.is_paused = true;
+  if (message.message == "guide.resumed") led_.is_paused = false;
   // A computer that came back says so of whom it has forgotten: they are still to be led on.
-  const bool has_forgotten = lead_again_from_ns_ && message.message == "guide.not_running";
-  if (ends_guidance(message.message) && !has_forgotten) led_by_.reset();
-  if (!led_by_) {
-    lead_again_from_ns_.reset();
-    is_paused_ = false;
-  }
+  const bool has_forgotten = led_.again_from_ns && message.message == "guide.not_running";
+  if (ends_guidance(message.message) && !has_forgotten) led_.by.reset();
+  if (!led_.by) led_ = {};
+}
+
+// What was asked for is not known.
+void DeviceSession::lead_as_before(const service::Ask& asked) {
+  if (led_.by && led_.by->id == asked.id) led_ = std::exchange(led_before_, {});
 }
 
 void DeviceSession::lead_on(const service::Seen& seen, TimestampNs now_ns) {
-  const bool has_waited = lead_again_from_ns_ && sees_places_ &&
-                          seconds_between(*lead_again_from_ns_, now_ns) > kPlaced_s;
+  const bool has_waited = led_.again_from_ns && sees_places_ &&
+                          seconds_between(*led_.again_from_ns, now_ns) > kPlaced_s;
   if (seen.position || has_waited) lead_again(now_ns);
 }
 
 // The computer that came back knows nothing of who was led: the device asks in their place.
 void DeviceSession::lead_again(TimestampNs now_ns) {
-  if (!led_by_ || !lead_again_from_ns_ || is_paused_) return;
+  if (!led_.by || !led_.again_from_ns || led_.is_paused) return;
   // They may have asked for something else meanwhile: its answer comes first.
   const bool waits_for_words = std::ranges::any_of(asked_, [](const auto& asked) {
     return asked.second.question == service::Question::kInWords;
   });
   if (waits_for_words) return;
-  lead_again_from_ns_.reset();
-  ask(*led_by_, now_ns);
+  const service::Ask again = *std::exchange(led_, {}).by;
+  ask(again, now_ns);
 }
 
 void DeviceSession::take_recording(const service::RecordingState& recording, TimestampNs now_ns) {
@@ -280,7 +280,7 @@ void DeviceSession::take_error(const service::ErrorMessage& error, TimestampNs n
   if (!error.answer_to) return;
   const auto asked = asked_.find(*error.answer_to);
   if (asked == asked_.end()) return;
-  if (asks_to_be_led(asked->second.question)) led_by_.reset();
+  if (asks_to_be_led(asked->second.question)) lead_as_before(asked->second);
   const bool names_a_thing = asked->second.question == service::Question::kWhereIs ||
                              asked->second.question == service::Question::kWayTo ||
                              asked->second.question == service::Question::kTakeMeTo;
@@ -342,7 +342,7 @@ void DeviceSession::act(const KeyRequest& request, TimestampNs now_ns) {
     case Kind::kEnd:
       return tell_guide(service::GuideWish::kEnd, now_ns);
     case Kind::kPauseOrGoOn:
-      return tell_guide(is_paused_ ? service::GuideWish::kResume : service::GuideWish::kPause,
+      return tell_guide(led_.is_paused ? service::GuideWish::kResume : service::GuideWish::kPause,
                         now_ns);
     case Kind::kFindNext:
       return find_next(now_ns);
@@ -412,12 +412,12 @@ void DeviceSession::ask(service::Question question, const std::string& subject,
 
 void DeviceSession::tell_guide(service::GuideWish wish, TimestampNs now_ns) {
   using service::GuideWish;
-  if (wish == GuideWish::kEnd) led_by_.reset();
-  if (wish == GuideWish::kPause) is_paused_ = true;
+  if (wish == GuideWish::kEnd) led_.by.reset();
+  if (wish == GuideWish::kPause) led_.is_paused = true;
   if (wish == GuideWish::kResume) {
-    is_paused_ = false;
+    led_.is_paused = false;
     const bool can_be_led = connection_ && (sees_places_ || !parts_.camera);
-    if (can_be_led && led_by_ && lead_again_from_ns_) return lead_again(now_ns);
+    if (can_be_led && led_.by && led_.again_from_ns) return lead_again(now_ns);
   }
   service::Ask ask;
   ask.question = service::Question::kGuide;
@@ -435,9 +435,9 @@ void DeviceSession::ask(service::Ask ask, TimestampNs now_ns) {
   ask.t_ms = static_cast<double>(now_ns) * 1e-6;
   asked_[ask.id] = ask;
   if (asks_to_be_led(ask.question)) {
-    is_paused_ = false;
-    lead_again_from_ns_.reset();
-    led_by_ = ask;  // until the answer says otherwise
+    const bool waits = led_.by && asked_.contains(led_.by->id);
+    if (!waits) led_before_ = std::move(led_);
+    led_ = {.by = ask};  // until the answer says otherwise
   }
   heard_ns_ = now_ns;  // the answer is waited for
   send(ask, now_ns);

@@ -57,6 +57,7 @@ class DeviceSession : private Interruption {
   void take_prompt(const service::PromptMessage& message, TimestampNs now_ns);
   void watch_teaching(const std::string& message);
   void watch_guide(const service::PromptMessage& message);
+  void lead_as_before(const service::Ask& asked);
   void lead_on(const service::Seen& seen, TimestampNs now_ns);
   void lead_again(TimestampNs now_ns);
   void take_recording(const service::RecordingState& recording, TimestampNs now_ns);
@@ -81,13 +82,17 @@ class DeviceSession : private Interruption {
   std::int64_t questions_ = 0;
   std::int64_t newest_answered_ = 0;            // of the questions
   std::map<std::int64_t, service::Ask> asked_;  // and not answered
-  // By what somebody is led, while they are: the computer forgets it where it begins anew.
-  std::optional<service::Ask> led_by_;
-  std::optional<TimestampNs> lead_again_from_ns_;  // is to be asked anew, since then
-  bool sees_places_ = false;                       // the computer
-  bool is_paused_ = false;                         // they do not want to hear of it now
-  std::string role_;                               // of this device
-  std::string recording_;                          // its last state
+  // How somebody is led, while they are: the computer forgets it where it begins anew.
+  struct Led {
+    std::optional<service::Ask> by = {};
+    std::optional<TimestampNs> again_from_ns = {};  // is to be asked anew, since then
+    bool is_paused = false;                         // they do not want to hear of it now
+  };
+  Led led_;
+  Led led_before_;            // holds again where the goal that was asked for last is not known
+  bool sees_places_ = false;  // the computer
+  std::string role_;          // of this device
+  std::string recording_;     // its last state
   std::uint64_t prompts_ = 0;
   bool camera_failed_ = false;
   bool quiet_ = false;

@@ -163,6 +163,8 @@ class AnsweringHome final : public service::SocketHandler {
         out_->send_text(write(service::HomeMessage(service::ErrorMessage{"refused", ask.id})));
       } else if (ask.question == service::Question::kAroundMe) {
         for (const char* key : {"around", "around/2", "around/3"}) say(ask, key, "Bed.");
+      } else if (ask.subject == "piano") {
+        say(ask, "thing piano", "I know no piano.", "where.unknown");
       } else if (ask.question == service::Question::kTakeMeTo) {
         say(ask, "guide", "To the " + ask.subject + ".", "guide.begin");
       } else if (ask.question == service::Question::kGuide && home_.has_forgotten) {
@@ -426,6 +428,27 @@ TEST_F(LedSessionTest, WhoAskedForAnotherGoalMeanwhileIsNotLedToTheOldOne) {
   running.join();
   ASSERT_EQ(home_.asks.size(), 2U);
   EXPECT_EQ(home_.asks.back().subject, "lamp");
+}
+
+TEST_F(LedSessionTest, WhoAskedForWhatNobodyKnowsIsLedOnAsBefore) {
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  type("g piano\n");
+  EXPECT_TRUE(speaker_->hears("I know no piano."));
+  type("g bed\n");
+  EXPECT_TRUE(speaker_->hears("To the bed."));
+  type("g piano\ng nonsense\n");
+  EXPECT_TRUE(speaker_->hears("I did not understand."));
+  EXPECT_EQ(speaker_->times("I know no piano."), 2);
+  server_->stop();
+  EXPECT_TRUE(speaker_->hears("Stop. The connection is lost."));
+  start_server();
+  EXPECT_TRUE(speaker_->hears("Connected again."));
+  see_a_place();
+  EXPECT_TRUE(home_.signal.wait([&] { return home_.asks.size() == 5; }));
+  type("x");
+  running.join();
+  EXPECT_EQ(home_.asks.back().subject, "bed");
 }
 
 TEST_F(LedSessionTest, IsNotLedOnWhoEndedItMeanwhile) {

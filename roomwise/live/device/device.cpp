@@ -587,9 +587,10 @@ void Device::hear_now(const Asked& asked) {
 std::vector<guide::Prompt> Device::lead_to(const service::Ask& goal,
                                            const std::shared_ptr<const HomeView>& home,
                                            const Situation& now, bool is_way_back) {
-  led_ = LedWalk::to(goal, home, now, led_.get());
+  auto led = LedWalk::to(goal, home, now, led_.get());
+  if (!led) return {};  // who is led is led on as before
+  led_ = std::move(led);
   watch_ = {};
-  if (!led_) return {};
   // Who is led back keeps where they set out: it is where they go.
   const bool is_sure =
       now.result != nullptr && now.result->place && now.result->place->sigma_m <= kMaxSpotSigma_m;

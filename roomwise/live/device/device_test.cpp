@@ -536,6 +536,21 @@ TEST_F(DeviceTest, WhoIsLedTalksToTheGuide) {
   EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "where.unknown");
 }
 
+TEST_F(DeviceTest, WhoAsksForWhatNobodyKnowsIsLedOnAsBefore) {
+  guide::KnownThing bed;
+  bed.name = "bed";
+  bed.room = "bedroom";
+  host.home->things = {bed};
+  say(hello());
+  ask(1, 100, service::Question::kTakeMeTo, "bed");
+  ask(2, 200, service::Question::kTakeMeTo, "piano");
+  EXPECT_EQ(wire->take<service::PromptMessage>().back().message, "where.unknown");
+  ask(3, 300, service::Question::kTakeMeBack);
+  EXPECT_EQ(wire->take<service::PromptMessage>().back().message, "spot.no_way_back");
+  say(service::Ask{4, 400, service::Question::kGuide, "", false, service::GuideWish::kPause});
+  EXPECT_EQ(wire->take<service::PromptMessage>().back().message, "guide.paused");
+}
+
 // ---- helpers who watch ----
 
 class WatchedDeviceTest : public DeviceTest {

@@ -12,25 +12,34 @@ const kBegins = ['guide.begin', 'route.'];
 
 const startsWithAny = (message: string, starts: string[]): boolean => starts.some((start) => message.startsWith(start));
 
+interface Led {
+  by: Question | null;
+  isLost: boolean;
+  isPaused: boolean;
+}
+
+const kNotLed: Led = { by: null, isLost: false, isPaused: false };
+
 export class LedAgain {
   private asked: { id: number; question: Question } | null = null; // the newest that may lead
-  private ledBy: Question | null = null;
-  private isLost = false;
+  private led = kNotLed;
+  private before = kNotLed; // holds again where the goal that was asked for last is not known
   private seesPlacesSince: number | null = null; // the computer
-  private isPaused = false;
 
   get isLed(): boolean {
-    return this.ledBy !== null;
+    return this.led.by !== null;
   }
 
   ask(id: number, question: Question): void {
-    if (question.question === 'in_words') {
+    const asksToBeLed = question.question === 'take_me_to' || question.question === 'take_me_back';
+    if (asksToBeLed) {
+      const waits = this.asked !== null && this.asked.question === this.led.by;
+      const isAskedAnew = question === this.led.by; // of a computer that led nobody before
+      this.before = waits ? this.before : isAskedAnew ? kNotLed : this.led;
+      this.led = { ...kNotLed, by: question }; // until the answer says otherwise
+    }
+    if (asksToBeLed || question.question === 'in_words') {
       this.asked = { id, question };
-    } else if (question.question === 'take_me_to' || question.question === 'take_me_back') {
-      this.asked = { id, question };
-      this.ledBy = question; // until the answer says otherwise
-      this.isLost = false;
-      this.isPaused = false;
     }
   }
 
@@ -42,7 +51,8 @@ export class LedAgain {
     if (question.wish === 'end') {
       this.end();
     }
-    this.isPaused = question.wish === 'pause' || (this.isPaused && question.wish !== 'resume');
+    const isPaused = question.wish === 'pause' || (this.led.isPaused && question.wish !== 'resume');
+    this.led = { ...this.led, isPaused };
     return question.wish === 'resume' ? this.take() : null;
   }
 
@@ -52,7 +62,7 @@ export class LedAgain {
       this.asked = null;
     }
     // A computer that came back says so of whom it has forgotten: they are still to be led on.
-    const hasForgotten = this.isLost && prompt.message === 'guide.not_running';
+    const hasForgotten = this.led.isLost && prompt.message === 'guide.not_running';
     if (startsWithAny(prompt.message, kEnds) && !hasForgotten) {
       this.end();
     }
@@ -68,10 +78,10 @@ export class LedAgain {
 
   // True where somebody is led, and must stop.
   lost(): boolean {
-    this.isLost = true;
+    this.led = { ...this.led, isLost: true };
     this.asked = null; // no answer will come
     this.seesPlacesSince = null;
-    return this.ledBy !== null;
+    return this.isLed;
   }
 
   sees(places: boolean, now: number): void {
@@ -87,25 +97,23 @@ export class LedAgain {
   private hearAnswer(question: Question, { key, message }: Pick<Prompt, 'key' | 'message'>): void {
     const isWords = question.question === 'in_words';
     if (key === 'guide' && (!isWords || startsWithAny(message, kBegins))) {
-      this.ledBy = question;
-      this.isLost = false;
-      this.isPaused = false;
-    } else if (!isWords) {
-      this.end();
+      this.led = { ...kNotLed, by: question };
+    } else if (!isWords && this.led.by === question) {
+      this.led = this.before;
     }
   }
 
   private end(): void {
-    this.ledBy = null;
-    this.isPaused = false;
+    this.led = { ...kNotLed, isLost: this.led.isLost };
   }
 
   // Not while words wait for their answer: they may ask for something else.
   private take(): Question | null {
-    if (!this.isLost || this.isPaused || this.ledBy === null || this.seesPlacesSince === null || this.asked !== null) {
+    const { by, isLost, isPaused } = this.led;
+    if (!isLost || isPaused || by === null || this.seesPlacesSince === null || this.asked !== null) {
       return null;
     }
-    this.isLost = false;
-    return this.ledBy;
+    this.led = { ...this.led, isLost: false };
+    return by;
   }
 }

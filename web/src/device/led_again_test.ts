@@ -117,6 +117,25 @@ test('a goal that is not known leads nowhere', () => {
   assert.equal(led.isLed, false);
 });
 
+test('who asks for what is not known is led on as before', () => {
+  const kPiano: Question = { question: 'take_me_to', thing: 'piano' };
+  const led = ledToTheBed();
+  led.ask(2, kPiano);
+  led.ask(3, kPiano);
+  led.heard({ key: 'where', message: 'where.unknown', answer_to: 3 });
+  assert.equal(led.isLed, true);
+  led.wish(kPause);
+  led.ask(4, kPiano);
+  led.refused(4);
+  led.lost();
+  led.sees(true, 0);
+  assert.equal(led.seen(true, 10), null, 'they paused');
+  assert.deepEqual(led.wish(kResume), kBed);
+  led.ask(5, kBed);
+  led.heard({ key: 'where', message: 'where.unknown', answer_to: 5 });
+  assert.equal(led.isLed, false, 'the computer that came back does not know it');
+});
+
 test('a pause ends with the way', () => {
   const led = ledToTheBed();
   led.wish(kPause);
