@@ -31,7 +31,7 @@ bool begins_guidance(std::string_view message) {
 // After these nobody is led any more.
 bool ends_guidance(std::string_view message) {
   return message.starts_with("guide.there") || message == "guide.near_end" ||
-         message == "guide.ended" || message == "guide.not_running";
+         message.starts_with("guide.ended") || message == "guide.not_running";
 }
 
 // What one can be led to, as it is asked for: what there is few of first.

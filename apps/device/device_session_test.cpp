@@ -372,6 +372,33 @@ class LedSessionTest : public DeviceSessionTest {
     EXPECT_TRUE(speaker_->hears("Connected again."));
     EXPECT_TRUE(home_.has_more_frames(2));
   }
+  // Led to the bed, until this is said, after which nobody is led on.
+  void hear_the_end(const std::string& message) {
+    std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
+    EXPECT_TRUE(speaker_->hears("Ready."));
+    type("g bed\n");
+    EXPECT_TRUE(speaker_->hears("To the bed."));
+    service::PromptMessage end;
+    end.key = "guide";
+    end.message = message;
+    end.text = "That is all.";
+    end.language = "en";
+    end.priority = "answer";
+    end.confidence = "sure";
+    end.sound = "back";
+    end.valid_until_t_ms = 1e12;
+    home_.say(end);
+    EXPECT_TRUE(speaker_->hears("That is all."));
+    server_->stop();
+    EXPECT_TRUE(speaker_->hears("all.\nThe connection is lost."));
+    start_server();
+    EXPECT_TRUE(speaker_->hears("Connected again."));
+    see_a_place();
+    EXPECT_TRUE(home_.has_more_frames(3));
+    type("x");
+    running.join();
+    EXPECT_EQ(home_.asks.size(), 1u);
+  }
   void see_a_place() {
     service::Seen seen;
     seen.position = service::SeenPosition{1, 2, 1.5, 90, 0.02};
@@ -475,30 +502,11 @@ TEST_F(LedSessionTest, IsLedOnWhoPausedOnceTheyGoOn) {
 }
 
 TEST_F(LedSessionTest, IsNotLedOnWhoHasArrived) {
-  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
-  EXPECT_TRUE(speaker_->hears("Ready."));
-  type("g bed\n");
-  EXPECT_TRUE(speaker_->hears("To the bed."));
-  service::PromptMessage there;
-  there.key = "guide";
-  there.message = "guide.there_ahead";
-  there.text = "You are there.";
-  there.language = "en";
-  there.priority = "answer";
-  there.confidence = "sure";
-  there.sound = "back";
-  there.valid_until_t_ms = 1e12;
-  home_.say(there);
-  EXPECT_TRUE(speaker_->hears("You are there."));
-  server_->stop();
-  EXPECT_TRUE(speaker_->hears("there.\nThe connection is lost."));
-  start_server();
-  EXPECT_TRUE(speaker_->hears("Connected again."));
-  see_a_place();
-  EXPECT_TRUE(home_.has_more_frames(3));
-  type("x");
-  running.join();
-  EXPECT_EQ(home_.asks.size(), 1u);
+  hear_the_end("guide.there_ahead");
+}
+
+TEST_F(LedSessionTest, IsNotLedOnToWhatANewMapLacks) {
+  hear_the_end("guide.ended_unknown");
 }
 
 TEST_F(DeviceSessionTest, AsksWhatIsTypedAndSpeaksTheAnswers) {

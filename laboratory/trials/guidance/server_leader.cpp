@@ -155,7 +155,7 @@ void ServerLeader::note_end(const std::vector<guide::Prompt>& prompts) {
   for (const guide::Prompt& prompt : prompts) {
     says_there_ = says_there_ || prompt.message.starts_with("guide.there_");
     is_over_ = is_over_ || says_there_ || prompt.message == "guide.near_end" ||
-               prompt.message == "guide.ended";
+               prompt.message.starts_with("guide.ended");
   }
 }
 

@@ -713,6 +713,13 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
   }
 }
 
+Prompt Guidance::end_without_goal(TimestampNs now_ns) {
+  walker_.now_ns = now_ns;
+  Prompt prompt = stop({"guide.ended_unknown", {{"goal", Nouns{goal().noun}}}});
+  state_ = State::kEnded;
+  return prompt;
+}
+
 // Of the way.
 Prompt Guidance::answer(GuidanceRequest request) {
   const Pose* const pose = track_.pose(now_ns());

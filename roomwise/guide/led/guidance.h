@@ -80,6 +80,8 @@ class Guidance {
   [[nodiscard]] std::optional<Prompt> update(const Walker& walker);
   // The answer to a request.
   [[nodiscard]] Prompt request(GuidanceRequest request, TimestampNs now_ns);
+  // Since the home does not know the goal any more; what to say of it.
+  [[nodiscard]] Prompt end_without_goal(TimestampNs now_ns);
 
   [[nodiscard]] State state() const { return state_; }
   [[nodiscard]] Course course() const;

@@ -156,13 +156,8 @@ guide::Prompt LedWalk::begin(const Situation& situation) {
 
 std::vector<guide::Prompt> LedWalk::after(const FrameResult& result,
                                           const std::shared_ptr<const HomeView>& home) {
-  if (!is_same_map(*home) && !is_over()) {
-    const Situation now{*home, &result, settings_, result.t_ms, today_};
-    if (auto anew = to(asked_, home, now)) {
-      anew->now_ns_ = now_ns_;
-      *this = std::move(*anew);
-    }
-  }
+  // Until a new map is ready no picture tells of a place.
+  if (home->map && !is_same_map(*home) && !is_over()) return begin_anew(result, home);
   const guide::UserLocation location = standing_of(&result);
   guide::Walker walker;
   walker.now_ns = at(result.t_ms);
@@ -174,6 +169,21 @@ std::vector<guide::Prompt> LedWalk::after(const FrameResult& result,
   auto prompt = guidance_->update(walker);
   if (!prompt) return {};
   return {*std::move(prompt)};
+}
+
+// The picture may have been looked at on the map before.
+std::vector<guide::Prompt> LedWalk::begin_anew(const FrameResult& result,
+                                               const std::shared_ptr<const HomeView>& home) {
+  const TimestampNs now_ns = at(result.t_ms);
+  const Situation now{*home, &result, settings_, result.t_ms, today_};
+  auto anew = to(asked_, home, now);
+  if (!anew) return {guidance_->end_without_goal(now_ns)};
+  anew->now_ns_ = now_ns;
+  if (guidance_->state() == guide::Guidance::State::kPaused) {
+    (void)anew->guidance_->request(guide::GuidanceRequest::kPause, now_ns);
+  }
+  *this = std::move(*anew);
+  return {};
 }
 
 std::optional<service::GoalBearing> LedWalk::goal_bearing(double taken_t_ms) const {

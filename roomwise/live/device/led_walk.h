@@ -10,7 +10,7 @@
 namespace roomwise::live {
 
 // Somebody who is led to a goal in a home. What the home knew when it began is kept; where the map
-// is made anew, it begins again on the new one.
+// is made anew, it begins again on the new one, or ends where that has no such goal.
 class LedWalk {
  public:
   // Nothing where the home has no such goal, or nobody knows where: answer() says so then.
@@ -45,6 +45,8 @@ class LedWalk {
  private:
   LedWalk(service::Ask asked, std::shared_ptr<const HomeView> home, guide::Goal goal,
           const Situation& situation, std::vector<guide::BarredPlace> barred);
+  [[nodiscard]] std::vector<guide::Prompt> begin_anew(const FrameResult& result,
+                                                      const std::shared_ptr<const HomeView>& home);
   [[nodiscard]] bool is_same_map(const HomeView& home) const;
   [[nodiscard]] TimestampNs at(double t_ms);
 

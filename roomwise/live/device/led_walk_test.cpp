@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <utility>
+
 #include "roomwise/guide/answers/spot_prompts.h"
 #include "roomwise/guide/testing/drawn_floor.h"
 
@@ -293,6 +295,34 @@ TEST_F(LedWalkTest, BeginsAnewOnANewMap) {
   (void)walk(*led, 6, 0);
   home = home_with_microwave();
   EXPECT_THAT(walk(*led, 1, 0), ::testing::ElementsAre(StartsWith("To the microwave")));
+}
+
+TEST_F(LedWalkTest, WhoPausedIsLedOnANewMapOnlyWhenTheyGoOn) {
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+  (void)led->begin(at(first));
+  (void)walk(*led, 6, 0);
+  (void)led->hear(service::GuideWish::kPause, t_ms);
+  home = home_with_microwave();
+  EXPECT_THAT(walk(*led, 10, 0), IsEmpty());
+  EXPECT_EQ(led->hear(service::GuideWish::kResume, t_ms).text, "Going on.");
+  EXPECT_THAT(walk(*led, 3, 0), ::testing::ElementsAre(StartsWith("To the microwave")));
+}
+
+TEST_F(LedWalkTest, EndsWithAWordWhereANewMapLacksTheGoal) {
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+  (void)led->begin(at(first));
+  (void)walk(*led, 6, 0);
+  home = home_with_microwave();
+  home->things.clear();
+  const auto map = std::exchange(home->map, nullptr);
+  EXPECT_THAT(walk(*led, 1, 0), IsEmpty()) << "it is not ready yet";
+  EXPECT_FALSE(led->is_over());
+  home->map = map;
+  EXPECT_THAT(walk(*led, 10, 0),
+              ::testing::ElementsAre("Stop. I no longer know the microwave. Guidance has ended."));
+  EXPECT_TRUE(led->is_over());
 }
 
 }  // namespace
