@@ -673,6 +673,11 @@ std::optional<Prompt> Guidance::finish() {
   }
   if (!knows_both) return std::nullopt;
   const Vector2d& here = pose->position_gravity;
+  if (!way_.map().are_on_one_storey(here, goal().outline->middle_gravity)) {
+    const bool tells_room = said == 0 && goal().room && goal().kind != Goal::Kind::kRoom;
+    if (!tells_room) return std::nullopt;
+    return say({"where.room", {{"thing", Nouns{goal().noun}}, {"room", room(*goal().room)}}});
+  }
   if (said == 1) {
     const KnownThing* const between = thing_between(here, goal(), way_.map());
     if (between == nullptr) return std::nullopt;

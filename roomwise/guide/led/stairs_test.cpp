@@ -5,6 +5,7 @@
 
 #include "roomwise/guide/answers/route_prompts.h"
 #include "roomwise/guide/led/guidance.h"
+#include "roomwise/guide/questions/home_prompts.h"
 #include "roomwise/guide/testing/test_times.h"
 #include "roomwise/guide/way/way_phrases.h"
 
@@ -15,13 +16,18 @@ using Eigen::Vector2d;
 using fusion::FloorCell;
 using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 // A hall of 2 m x 6 m below, stairs of 14 steps along x from (6, 1) up to (9.5, 1), and a hall of
 // 2 m x 6 m above, which the plan draws 20 m farther along x. A rail on the right of who climbs.
 class StairsTest : public ::testing::Test {
  protected:
-  StairsTest() : storeys_(make_storeys()), grid_(make_grid()), layout_(make_layout()) {}
+  StairsTest()
+      : storeys_(make_storeys()),
+        grid_(make_grid()),
+        layout_(make_layout(storeys_.stairs()[0].below_plan, storeys_.stairs()[0].above_plan)) {}
 
   static fusion::Storeys make_storeys() {
     fusion::Storey upper;
@@ -53,12 +59,13 @@ class StairsTest : public ::testing::Test {
     }
     return {Vector2d::Zero(), kCell_m, std::move(cells)};
   }
-  [[nodiscard]] rooms::RoomLayout make_layout() const {
+  [[nodiscard]] rooms::RoomLayout make_layout(const Vector2d& below_plan,
+                                              const Vector2d& above_plan) const {
     rooms::WalkedPath below, above;
     for (double x = 0.5; x < 5.5; x += 0.1) below.push_back({{x, 1}, "hall"});
     for (double x = 30; x < 35; x += 0.1) above.push_back({{x, 1}, "landing"});
     rooms::RoomLayout layout = rooms::RoomLayout::make(grid_, std::vector{below, above}).value();
-    layout.add_stairs(storeys_.stairs()[0].below_plan, storeys_.stairs()[0].above_plan);
+    layout.add_stairs(below_plan, above_plan);
     return layout;
   }
   [[nodiscard]] HomeMap map() const {
@@ -66,6 +73,21 @@ class StairsTest : public ::testing::Test {
   }
   [[nodiscard]] Goal room(const std::string& name) const {
     return Goal::of(*std::ranges::find(layout_.rooms(), name, &rooms::RoomExtent::name));
+  }
+  [[nodiscard]] static KnownThing standing(const std::string& name, const Vector2d& place,
+                                           const std::string& room) {
+    KnownThing thing;
+    thing.name = name;
+    thing.probability = 0.95;
+    thing.box_keyframe.size_m = {0.4, 0.4, 1};
+    thing.position_gravity = Eigen::Vector3d(place.x(), place.y(), 0.5);
+    thing.room = room;
+    return thing;
+  }
+  [[nodiscard]] static std::vector<std::string> texts(const std::vector<Prompt>& prompts) {
+    std::vector<std::string> texts;
+    for (const Prompt& prompt : prompts) texts.push_back(prompt.text);
+    return texts;
   }
   void lead_to(const std::string& name, const Vector2d& from, double heading_rad) {
     place_ = from;
@@ -185,6 +207,64 @@ TEST_F(StairsTest, WhoIsNotSeenOnTheStepsIsToWaitAndHearsWhenTheyAreSeenAgain) {
   for (const std::string& text : lost) EXPECT_EQ(text, "I lost where you are. Stop and wait.");
   is_seen_ = true;
   EXPECT_THAT(hear(2), Contains("Stop. I know again where you are."));
+}
+
+// On the plan storeys lie side by side.
+TEST_F(StairsTest, ARoomOnAnotherStoreyHasNoDirection) {
+  const UserLocation below{Pose{{1, 1}, 0, 0.02}, "hall"};
+  EXPECT_THAT(texts(room_way_prompts("landing", map(), below, wording_, {})),
+              ElementsAre("The landing is the next room."));
+  const UserLocation somewhere{below.pose};
+  EXPECT_THAT(texts(room_way_prompts("landing", map(), somewhere, wording_, {})),
+              ElementsAre("I know no safe way there."));
+  EXPECT_THAT(texts(room_way_prompts("hall", map(), somewhere, wording_, {})),
+              ElementsAre(HasSubstr("o'clock")));
+}
+
+TEST_F(StairsTest, NobodyFacesWhatStandsOnAnotherStorey) {
+  const std::vector<KnownThing> things{standing("lamp", {32, 1}, "landing")};
+  HomeMap home = map();
+  home.things = things;
+  EXPECT_THAT(texts(facing_prompts(home, {.pose = Pose{{1, 1}, 0, 0.02}}, wording_, {})),
+              ElementsAre("I know of nothing that you face."));
+  EXPECT_THAT(texts(facing_prompts(home, {.pose = Pose{{31, 1}, 0, 0.02}}, wording_, {})),
+              ElementsAre(HasSubstr("face the lamp")));
+}
+
+TEST_F(StairsTest, TheThingsOfAnUpperRoomAreToldClockwiseFromWhereTheStairsEnd) {
+  const Vector2d middle = room("landing").outline->middle_gravity;
+  // Of who comes up the stairs, left and right of the middle.
+  const std::vector<KnownThing> things{standing("chair", middle - Vector2d(0, 0.5), "landing"),
+                                       standing("lamp", middle + Vector2d(0, 0.5), "landing")};
+  HomeMap home = map();
+  home.things = things;
+  const auto told = [&] { return texts(describe_prompts("landing", home, {}, wording_, {})); };
+  EXPECT_THAT(told(), Contains("Clockwise from the hall: lamp and chair."));
+  rooms::RoomLayout other = make_layout(storeys_.stairs()[0].below_plan, {35.5, 1});
+  home.layout = &other;
+  home.doorways = other.doorways();
+  EXPECT_THAT(told(), Contains("Clockwise from the hall: chair and lamp."));
+}
+
+// Barred, or where no floor was seen at their end.
+TEST_F(StairsTest, WhoCannotTakeThemIsLedToWhereTheyAre) {
+  const fusion::Storeys barred(storeys_.all());
+  const rooms::RoomLayout layout = make_layout(storeys_.stairs()[0].below_plan, {35.5, 1});
+  const HomeMap home{&grid_, &layout, layout.doorways(), {}, &barred};
+  const Plan plan = plan_way(home, {.pose = Pose{{32, 1}, 0, 0.02}}, room("hall"));
+  ASSERT_EQ(plan.status, PlanStatus::kPartial);
+  EXPECT_GT(plan.route.back().x(), 35);
+}
+
+TEST_F(StairsTest, WhatIsLeftToAGoalOnAnotherStoreyIsToldByItsRoom) {
+  const fusion::Storeys barred(storeys_.all());
+  place_ = {5.5, 1};
+  guidance_.emplace(HomeMap{&grid_, &layout_, {}, {}, &barred},
+                    Goal::of(standing("lamp", {32, 1}, "landing"), {}), wording_);
+  const auto said = hear(20);
+  EXPECT_THAT(said, Contains("I know the way no further."));
+  EXPECT_THAT(said, Contains("The lamp is in the landing."));
+  EXPECT_THAT(said, Not(Contains(HasSubstr("o'clock"))));
 }
 
 TEST_F(StairsTest, AreToldInEveryLanguageWithTheRightPlural) {

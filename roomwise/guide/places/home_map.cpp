@@ -14,6 +14,10 @@ std::optional<std::string> HomeMap::room_at(const Vector2d& point_gravity) const
   return layout != nullptr ? layout->room_at(point_gravity) : std::nullopt;
 }
 
+bool HomeMap::are_on_one_storey(const Vector2d& one, const Vector2d& other) const {
+  return storeys == nullptr || storeys->at_plan(one) == storeys->at_plan(other);
+}
+
 bool is_well_inside(const HomeMap& map, const std::string& room, const Vector2d& place_gravity) {
   constexpr double kBody_m = 0.25;
   constexpr int kDirections = 12;

@@ -24,6 +24,9 @@ struct HomeMap {
   std::optional<CalendarTime> today = std::nullopt;  // a guide's; unknown: no belief ages
 
   [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector2d& point_gravity) const;
+  // Else the plan tells neither direction nor distance from the one to the other.
+  [[nodiscard]] bool are_on_one_storey(const Eigen::Vector2d& one,
+                                       const Eigen::Vector2d& other) const;
 };
 
 // Whether somebody who stands there is in the room with their whole body: a layout tells rooms

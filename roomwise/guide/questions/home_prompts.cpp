@@ -117,7 +117,7 @@ std::vector<const rooms::Doorway*> doors_of_room(const std::string& room, const 
   }
   const Pose* const pose = location.sure_pose();
   std::ranges::stable_sort(doors, {}, [&](const rooms::Doorway* door) {
-    return pose != nullptr ? (door->middle_gravity - pose->position_gravity).norm()
+    return pose != nullptr ? (door->place_in(room) - pose->position_gravity).norm()
                            : -door->width_m;
   });
   return doors;
@@ -251,7 +251,9 @@ std::vector<Prompt> room_way_prompts(const std::string& room, const HomeMap& map
     const Nouns via = room_list({way.begin() + 1, way.end() - 1});
     answer.say("guide.room_through", {{"goal", goal}, {"via", via}}, kRoomValid_s);
   }
-  if (pose != nullptr && extent != nullptr && extent->floor_m2 > 0) {
+  const bool has_direction = pose != nullptr && extent != nullptr && extent->floor_m2 > 0 &&
+                             map.are_on_one_storey(pose->position_gravity, extent->middle_gravity);
+  if (has_direction) {
     const Bearing bearing = bearing_of(extent->middle_gravity, *pose);
     answer.say("where.direction",
                {{"thing", goal},
@@ -259,7 +261,7 @@ std::vector<Prompt> room_way_prompts(const std::string& room, const HomeMap& map
                 {"distance", wording.distance(bearing.distance_m)}},
                kDirectionValid_s);
   }
-  if (answer.empty()) answer.say_unsure("route.no_place");
+  if (answer.empty()) answer.say_unsure(pose != nullptr ? "route.none" : "route.no_place");
   return answer.take();
 }
 
@@ -284,7 +286,10 @@ std::vector<Prompt> facing_prompts(const HomeMap& map, const UserLocation& locat
   for (const KnownThing& thing : map.things) {
     const bool is_elsewhere = location.room && thing.room && *thing.room != *location.room;
     const auto bearing = bearing_of(thing, *pose);
-    if (bearing && !is_elsewhere) {
+    const bool is_here =
+        bearing && !is_elsewhere &&
+        map.are_on_one_storey(pose->position_gravity, thing.position_gravity->head<2>());
+    if (is_here) {
       consider(*bearing, {Noun::Kind::kThing, thing.name}, thing.is_sure(today.date));
     }
   }
@@ -357,7 +362,7 @@ std::vector<Prompt> describe_prompts(const std::string& room, const HomeMap& map
   // A door is found by hand; of rooms that are open to each other the way there is told.
   const auto door = std::ranges::find_if(doors, &rooms::Doorway::is_door);
   const rooms::Doorway& first = door != doors.end() ? **door : *doors.front();
-  const double door_rad = angle_rad(middle, first.middle_gravity);
+  const double door_rad = angle_rad(middle, first.place_in(room));
   std::erase_if(there, [](const KnownThing* one) { return !one->position_gravity; });
   std::ranges::stable_sort(there, {}, [&](const KnownThing* one) {
     return clockwise_rad(door_rad, angle_rad(middle, one->position_gravity->head<2>()));

@@ -137,7 +137,7 @@ class Planner {
     const auto way = way_between_rooms(*room, *goal_.room, map_.doorways);
     if (way.size() < 2) return *goal_.outline;
     for (const rooms::Doorway& doorway : map_.doorways) {
-      if (doorway.joins(way[0]) && doorway.joins(way[1])) return {doorway.middle_gravity};
+      if (doorway.joins(way[0]) && doorway.joins(way[1])) return {doorway.place_in(*room)};
     }
     return *goal_.outline;
   }

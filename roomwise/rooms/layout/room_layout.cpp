@@ -363,9 +363,12 @@ void RoomLayout::add_doors(std::span<const LayoutEdit> edits, double unsure_path
 void RoomLayout::add_stairs(const Vector2d& below_plan, const Vector2d& above_plan) {
   const auto below = room_at(below_plan), above = room_at(above_plan);
   if (!below || !above || below == above) return;
+  const bool is_below_first = *below < *above;
   doorways_.push_back({.rooms = {std::min(*below, *above), std::max(*below, *above)},
                        .middle_gravity = below_plan,
-                       .is_stairs = true});
+                       .is_stairs = true,
+                       .stairs_ends = {is_below_first ? below_plan : above_plan,
+                                       is_below_first ? above_plan : below_plan}});
   std::ranges::stable_sort(doorways_, {}, &Doorway::rooms);
 }
 

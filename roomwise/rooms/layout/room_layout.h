@@ -31,12 +31,14 @@ struct RoomLayoutOptions {
 // open to each other.
 struct Doorway {
   std::array<std::string, 2> rooms;                          // by name
-  Eigen::Vector2d middle_gravity = Eigen::Vector2d::Zero();  // m
+  Eigen::Vector2d middle_gravity = Eigen::Vector2d::Zero();  // m; of stairs where they begin below
   // Of the free floor there; 0: the map shows none, but the walk led through, or somebody says so.
   double width_m = 0;
   double along_rad = 0;    // from one side to the other, counter-clockwise from x; of a known width
   bool is_walked = false;  // the walk led through it, or somebody does who says so
-  bool is_stairs = false;  // they lead to the other room, on another storey; the middle is below
+  bool is_stairs = false;  // they lead to the other room, on another storey
+  // Of stairs: where one stands before them in each of the rooms, on the plan.
+  std::array<Eigen::Vector2d, 2> stairs_ends = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   // A wall, or what stands at one, ends the free floor on both sides, or somebody says that it is a
   // door: chairs and tables in the midst of floor frame none. Else the width is at least what was
   // seen.
@@ -51,6 +53,10 @@ struct Doorway {
   }
   [[nodiscard]] bool joins(const std::string& room) const {
     return rooms[0] == room || rooms[1] == room;
+  }
+  // Where it is for who comes from that room.
+  [[nodiscard]] const Eigen::Vector2d& place_in(const std::string& room) const {
+    return is_stairs ? stairs_ends[rooms[0] == room ? 0 : 1] : middle_gravity;
   }
 };
 
