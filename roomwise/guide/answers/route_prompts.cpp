@@ -40,8 +40,7 @@ std::vector<Prompt> route_prompts(const Route& route, const Pose& pose, const No
     if (leg.stairs) {
       const Phrase phrase = stairs_phrase(*leg.stairs, wording.phrases());
       prompts.push_back(made(i, phrase.message, phrase.values));
-      heading_rad = leg.stairs->stairs.end_rad;
-      if (!leg.stairs->is_up) heading_rad = leg.heading_rad();
+      heading_rad = leg.stairs->end_heading_rad();
       continue;
     }
     const std::string turn =

@@ -152,6 +152,22 @@ TEST_F(StairsTest, AreToldInTheListOfAWay) {
   EXPECT_THAT(said, Contains("Stairs up, 14 steps, rail on the right."));
 }
 
+TEST_F(StairsTest, WhereTheyTurnTheListGoesOnFromHowOneFacesAtTheirEnd) {
+  fusion::Staircase turning = storeys_.stairs()[0];
+  turning.end_rad = std::numbers::pi / 2;
+  const std::vector<fusion::Staircase> flights{turning};
+  const auto after_them = [&](const Route& route, double heading_rad) {
+    return texts(route_prompts(route, {route.front(), heading_rad, 0.02},
+                               {Noun::Kind::kRoom, "hall"}, {}, wording_, 0, flights))
+        .back();
+  };
+  // Down they come as who went up would have begun, turned about.
+  EXPECT_THAT(after_them({turning.above_plan, turning.below_plan, {1, 1}}, -std::numbers::pi / 2),
+              HasSubstr("Straight on"));
+  EXPECT_THAT(after_them({turning.below_plan, turning.above_plan, {34, 1}}, 0),
+              HasSubstr("Turn right"));
+}
+
 TEST_F(StairsTest, AreStoppedBeforeAndToldWithStepsAndRailAndThenThatOneIsUpstairs) {
   lead_to("landing", {2.5, 1}, 0);
   hear(9);

@@ -47,6 +47,10 @@ double StairsOnWay::heading_rad() const {
   return is_up ? stairs.up_rad : stairs.end_rad + std::numbers::pi;
 }
 
+double StairsOnWay::end_heading_rad() const {
+  return is_up ? stairs.end_rad : stairs.up_rad + std::numbers::pi;
+}
+
 std::optional<StairsOnWay> stairs_between(const Vector2d& from, const Vector2d& to,
                                           std::span<const fusion::Staircase> stairs) {
   constexpr double kNear_m = 0.7;  // a little more than FloorSearch::lead_over() takes

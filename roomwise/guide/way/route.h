@@ -32,8 +32,9 @@ struct StairsOnWay {
   fusion::Staircase stairs;
   bool is_up = true;
 
-  // Of who begins to walk over them.
+  // Of who begins to walk over them, and of who has: others where the flight is not straight.
   [[nodiscard]] double heading_rad() const;
+  [[nodiscard]] double end_heading_rad() const;
 };
 [[nodiscard]] std::optional<StairsOnWay> stairs_between(const Eigen::Vector2d& from,
                                                         const Eigen::Vector2d& to,
