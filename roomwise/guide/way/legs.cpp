@@ -11,25 +11,33 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kShortLeg_m = 0.4;  // a corner that is cut, not a leg
+constexpr double kPoint_m = 0.01;    // less than a cell: no way at all
 
-// Whether a leg leads from one side of an opening to the other: who walks along one stays in the
-// room.
-bool crosses(const Vector2d& from, const Vector2d& to, const rooms::Doorway& opening) {
-  const Vector2d across(-std::sin(opening.along_rad), std::cos(opening.along_rad));
-  return (from - opening.middle_gravity).dot(across) * (to - opening.middle_gravity).dot(across) <
-         0;
+// How much of a leg is walked when it comes from one side of a doorway to the other; nothing where
+// it does not: who walks past one stays in the room.
+std::optional<double> share_at(const Vector2d& from, const Vector2d& to,
+                               const rooms::Doorway& doorway) {
+  const Vector2d& middle = doorway.middle_gravity;
+  const bool knows_sides = doorway.width_m > 0;
+  if (!knows_sides) {
+    const double share = (middle - from).dot(to - from) / (to - from).squaredNorm();
+    return share > 0 && share < 1 ? std::optional(share) : std::nullopt;
+  }
+  const Vector2d across(-std::sin(doorway.along_rad), std::cos(doorway.along_rad));
+  const double from_m = (from - middle).dot(across), to_m = (to - middle).dot(across);
+  if ((from_m > 0) == (to_m > 0)) return std::nullopt;
+  return from_m / (from_m - to_m);
 }
 
-// The place on a leg where it passes a doorway; nothing where it does not.
+// The place on a leg where it leads through a doorway; nothing where it does not.
 std::optional<Vector2d> door_on(const Vector2d& from, const Vector2d& to,
                                 const rooms::Doorway& doorway) {
-  const Vector2d along = to - from;
-  const double share = (doorway.middle_gravity - from).dot(along) / along.squaredNorm();
-  const Vector2d place = from + share * along;
+  const auto share = share_at(from, to, doorway);
+  if (!share) return std::nullopt;
+  const Vector2d place = from + *share * (to - from);
   const double reach_m = std::max(0.4, doorway.width_m / 2);
-  const bool is_passed =
-      share > 0 && share < 1 && (place - doorway.middle_gravity).norm() <= reach_m;
-  return is_passed ? std::optional(place) : std::nullopt;
+  const bool is_through = (place - doorway.middle_gravity).norm() <= reach_m;
+  return is_through ? std::optional(place) : std::nullopt;
 }
 
 // A leg from each corner to the next, in parts where it leads through doors.
@@ -45,17 +53,22 @@ std::vector<Leg> parts_of(const Route& route, std::span<const rooms::Doorway> do
     }
     std::vector<Passed> passed;
     for (const rooms::Doorway& door : doors) {
-      const bool counts = door.is_door() || (door.is_opening() && crosses(from, route[i], door));
-      if (!counts) continue;
+      if (!door.is_door() && !door.is_opening()) continue;
       if (const auto place = door_on(from, route[i], door)) passed.emplace_back(*place, &door);
     }
     std::ranges::sort(passed, {},
                       [&](const Passed& one) { return (one.first - route[i - 1]).norm(); });
     for (const auto& [place, door] : passed) {
-      legs.push_back({from, place, (place - from).norm(), {}, door});
+      if ((place - from).norm() > kPoint_m) {
+        legs.push_back({from, place, (place - from).norm(), {}, door});
+      } else if (!legs.empty() && !legs.back().stairs) {
+        legs.back().doorway = door;  // at a corner
+      }
       from = place;
     }
-    legs.push_back({from, route[i], (route[i] - from).norm()});
+    if ((route[i] - from).norm() > kPoint_m) {
+      legs.push_back({from, route[i], (route[i] - from).norm()});
+    }
   }
   return legs;
 }

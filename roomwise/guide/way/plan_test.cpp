@@ -183,7 +183,8 @@ TEST_F(TwoRoomsTest, WithoutAPlaceTheRoomsAreTold) {
 }
 
 TEST(LegsTest, DoorsAndOpeningsEndLegsAndOpenBordersDoNot) {
-  rooms::Doorway door{.rooms = {"hall", "kitchen"}, .width_m = 0.9, .is_framed = true};
+  rooms::Doorway door{
+      .rooms = {"hall", "kitchen"}, .width_m = 0.9, .along_rad = 1.5708, .is_framed = true};
   rooms::Doorway opening{
       .rooms = {"kitchen", "lounge"}, .width_m = 0.8, .along_rad = 1.5708, .is_walked = true};
   rooms::Doorway border{.rooms = {"dining room", "lounge"}, .width_m = 3, .is_walked = true};
@@ -198,6 +199,30 @@ TEST(LegsTest, DoorsAndOpeningsEndLegsAndOpenBordersDoNot) {
   EXPECT_EQ(legs[1].doorway, &doorways[1]);
   EXPECT_NEAR(legs[1].to.x(), 3, 1e-9);
   EXPECT_EQ(legs[2].doorway, nullptr);
+}
+
+TEST(LegsTest, ADoorThatOneWalksPastEndsNone) {
+  rooms::Doorway door{
+      .rooms = {"hall", "kitchen"}, .width_m = 0.9, .along_rad = 1.5708, .is_framed = true};
+  door.middle_gravity = {1, 0};
+  const std::vector doorways{door};
+  EXPECT_EQ(legs_of({{0.7, -2}, {0.7, 2}}, doorways).size(), 1U) << "along its wall";
+  const auto ends = [&](const Route& route) {
+    std::vector<double> ends_x;
+    for (const Leg& leg : legs_of(route, doorways)) {
+      if (leg.ends_at_door()) ends_x.push_back(leg.to.x());
+    }
+    return ends_x;
+  };
+  const auto at_the_door = ::testing::ElementsAre(::testing::DoubleNear(1, 1e-4));
+  EXPECT_THAT(ends({{0, 0}, {2, 0}}), at_the_door);
+  EXPECT_THAT(ends({{2, 0.2}, {0, -0.3}}), at_the_door);
+  EXPECT_THAT(ends({{0, 0}, {1, 0}, {2, 1}}), at_the_door) << "a corner in it";
+  EXPECT_THAT(ends({{2, 1}, {1, 0}, {0, 0}}), at_the_door);
+  EXPECT_THAT(ends({{0, 1}, {2, 1}}), ::testing::IsEmpty()) << "beside it";
+  std::vector said{door};
+  said[0].width_m = 0;  // somebody says that it is there; nobody knows how its wall goes
+  EXPECT_EQ(legs_of({{0.7, -2}, {0.7, 2}}, said).size(), 2U);
 }
 
 TEST(DoorsTest, BordersOfOpenAreasAreNoDoors) {
