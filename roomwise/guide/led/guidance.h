@@ -20,7 +20,8 @@ struct Walker {
   std::optional<Pose> pose = {};  // by the newest picture that told of one
   TimestampNs pose_ns = 0;        // when that was
   std::optional<std::string> room = {};
-  // What depth shows straight ahead, m, wherever they are; absent where it shows nothing near.
+  // What depth shows straight ahead, m, wherever they are, as far as two steps and a body reach and
+  // farther; absent where it shows nothing there.
   std::optional<double> obstacle_m = {};
   // What they could walk into, as the picture of the pose shows it: where on the floor.
   std::vector<Eigen::Vector2d> obstacles = {};

@@ -133,6 +133,10 @@ Expected<FrameResult> FrameProcessor::look(CameraFrame frame,
     ROOMWISE_TRY(const auto seen,
                  obstacles_ahead(*depth, *camera_->calibrated, result.place, home->map.get()));
     result.obstacle = guide::nearest_ahead(seen);
+    const double farthest_m = guide::ObstacleOptions().farthest_m;
+    if (const auto ahead = guide::nearest_ahead(seen, {.length_m = farthest_m})) {
+      result.seen_ahead_m = ahead->ahead_left_m.x();
+    }
     if (result.place) {
       const guide::Pose pose = result.place->on_floor();
       for (const Eigen::Vector2d& one : seen) result.obstacles.push_back(pose.place_of(one));

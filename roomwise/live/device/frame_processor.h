@@ -44,6 +44,8 @@ struct FrameResult {
   std::optional<mapping::LensCalibration> lens;
   bool has_depth = false;  // the frame has; else nothing tells what is ahead now
   std::optional<guide::ObstacleAhead> obstacle;  // in the way of who goes where they face, by depth
+  // How far ahead of them depth shows anything in their way, m, as far as obstacles are looked for.
+  std::optional<double> seen_ahead_m;
   // What a person could walk into, seen by depth: where on the floor, in the gravity-aligned frame;
   // none where there is no place.
   std::vector<Eigen::Vector2d> obstacles;

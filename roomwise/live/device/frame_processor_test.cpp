@@ -44,6 +44,28 @@ TEST(FrameProcessor, SaysNothingOfAHomeThatLearnedNothing) {
   EXPECT_FALSE(result->picture.empty());
 }
 
+// Who is told two steps unseen needs more room than who is told of an obstacle.
+TEST(FrameProcessor, TellsOfWhatDepthShowsBeyondTheNextStep) {
+  service::DeviceCamera looks = camera(true);
+  looks.calibrated->fx = looks.calibrated->fy = 8;
+  looks.calibrated->cx = 4;
+  looks.calibrated->cy = 3;
+  looks.calibrated->depth_units_per_metre = 1000;
+  FrameProcessor eye(looks);
+  const auto look = [&](std::uint16_t depth_mm) {
+    const image::DepthImage depth(8, 6, depth_mm);
+    return eye.look(frame(depth_mm, image::encode_png(depth)), std::make_shared<HomeView>())
+        .value();
+  };
+  const FrameResult beyond = look(1100);
+  EXPECT_FALSE(beyond.obstacle);
+  EXPECT_NEAR(beyond.seen_ahead_m.value_or(0), 1.1, 0.01);
+  const FrameResult near = look(800);
+  EXPECT_TRUE(near.obstacle);
+  EXPECT_NEAR(near.seen_ahead_m.value_or(0), 0.8, 0.01);
+  EXPECT_FALSE(look(3000).seen_ahead_m);
+}
+
 TEST(FrameProcessor, RefusesPicturesThatAreNotTheCameras) {
   const auto home = std::make_shared<HomeView>();
   EXPECT_ERROR(FrameProcessor(std::nullopt).look(frame(1), home), "no camera");

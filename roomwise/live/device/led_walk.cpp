@@ -164,7 +164,7 @@ std::vector<guide::Prompt> LedWalk::after(const FrameResult& result,
   walker.pose = location.pose;
   walker.pose_ns = std::llround(result.t_ms * 1e6);
   walker.room = location.room;
-  if (result.obstacle) walker.obstacle_m = result.obstacle->ahead_left_m.x();
+  walker.obstacle_m = result.seen_ahead_m;
   walker.obstacles = result.obstacles;
   auto prompt = guidance_->update(walker);
   if (!prompt) return {};

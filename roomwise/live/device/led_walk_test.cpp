@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "roomwise/guide/answers/spot_prompts.h"
@@ -223,6 +224,28 @@ TEST_F(LedWalkTest, WhoIsNotSeenIsAnsweredAndLedOnceTheyAre) {
       walk(*led, 12, 0),
       ::testing::ElementsAre("Stop. I know again where you are.", StartsWith("To the microwave"),
                              "The microwave is ahead of you.", StartsWith("Straight on")));
+}
+
+// Two steps and a body's radius are more than what "Obstacle ahead." is told of.
+TEST_F(LedWalkTest, NoStepIsToldUnseenTowardsWhatDepthShowsBeyondTheNextOne) {
+  const FrameResult first = picture_at({3, 0}, t_ms);
+  home->things[0].position_gravity->x() = 0;
+  for (const auto& [seen_ahead_m, is_told] : {std::pair(1.1, false), std::pair(1.5, true)}) {
+    const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+    (void)led->begin(at(first));
+    x_m = 3;
+    EXPECT_THAT(walk(*led, 6, 0), ::testing::Contains("Turn around."));
+    std::vector<std::string> said;
+    for (int picture = 0; picture < 60; ++picture) {
+      FrameResult unseen;
+      unseen.t_ms = t_ms += kTick_ms;
+      unseen.seen_ahead_m = seen_ahead_m;
+      for (const guide::Prompt& prompt : led->after(unseen, home)) said.push_back(prompt.text);
+    }
+    EXPECT_EQ(std::ranges::count_if(
+                  said, [](const std::string& text) { return text.starts_with("Straight on"); }),
+              is_told ? 1 : 0);
+  }
 }
 
 TEST_F(LedWalkTest, LeadsToAPlaceThatSomebodyMarked) {
