@@ -684,11 +684,12 @@ std::optional<Prompt> Guidance::finish() {
     return say({"guide.between", {{"thing", thing(between->name)}}});
   }
   const Bearing bearing = bearing_of(goal().outline->nearest_to(here), *pose);
-  return say({"where.direction",
+  const bool is_sure = bearing.is_sure && goal().is_sure;
+  return say({is_sure ? "where.direction" : "where.direction_probable",
               {{"thing", Nouns{goal().noun}},
                {"hour", fmt::format("{}", bearing.hour)},
                {"distance", wording_.distance(bearing.distance_m)}}},
-             bearing.is_sure ? Confidence::kSure : Confidence::kProbable);
+             is_sure ? Confidence::kSure : Confidence::kProbable);
 }
 
 // To who asks after the end of the way.

@@ -1007,6 +1007,21 @@ TEST_F(GuidanceTest, WhereNoSafeWayIsKnownItLeadsNearAndTellsTheRest) {
   EXPECT_EQ(guidance_->state(), State::kNearest);
 }
 
+TEST_F(GuidanceTest, WhatIsLeftIsProbablyThereWhereThePlaceOrTheGoalIsNotSure) {
+  grid_ = testing::two_rooms().fill({19, 1}, {40, 39}, FloorCell::kUnknown).grid();
+  Goal bed = bed_at({3.5, 3.4}, "bedroom");
+  for (const bool is_place : {true, false}) {
+    bed.is_sure = is_place;
+    sigma_m_ = is_place ? 0.45 : 0.02;
+    lead_to(bed, {1.6, 3.45}, 0);
+    const auto said = go(12);
+    const auto left = std::ranges::find(said, "where.direction_probable", &Prompt::message);
+    ASSERT_NE(left, said.end()) << ::testing::PrintToString(texts(said));
+    EXPECT_THAT(left->text, StartsWith("The bed is probably at 12 o'clock, "));
+    EXPECT_EQ(left->confidence, Confidence::kProbable);
+  }
+}
+
 TEST_F(GuidanceTest, WhatStandsBetweenTheWaysEndAndTheGoalIsSaid) {
   grid_ = testing::two_rooms().fill({19, 1}, {40, 39}, FloorCell::kUnknown).grid();
   KnownThing& shelf = things_.emplace_back();

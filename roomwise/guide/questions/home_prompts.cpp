@@ -255,11 +255,11 @@ std::vector<Prompt> room_way_prompts(const std::string& room, const HomeMap& map
                              map.are_on_one_storey(pose->position_gravity, extent->middle_gravity);
   if (has_direction) {
     const Bearing bearing = bearing_of(extent->middle_gravity, *pose);
-    answer.say("where.direction",
+    answer.say(bearing.is_sure ? "where.direction" : "where.direction_probable",
                {{"thing", goal},
                 {"hour", fmt::format("{}", bearing.hour)},
                 {"distance", wording.distance(bearing.distance_m)}},
-               kDirectionValid_s);
+               kDirectionValid_s, bearing.is_sure);
   }
   if (answer.empty()) answer.say_unsure(pose != nullptr ? "route.none" : "route.no_place");
   return answer.take();

@@ -38,6 +38,9 @@ class HomePromptsTest : public ::testing::Test {
       : grid_(testing::two_rooms().grid()), layout_(testing::layout_of_two_rooms(grid_)) {}
 
   [[nodiscard]] HomeMap map() const { return {&grid_, &layout_, layout_.doorways(), things_}; }
+  [[nodiscard]] Vector2d middle_of_kitchen() const {
+    return std::ranges::find(layout_.rooms(), "kitchen", &rooms::RoomExtent::name)->middle_gravity;
+  }
   [[nodiscard]] std::vector<std::string> on(const std::string& surface) const {
     return said(on_prompts(surface, map(), nowhere_, english_, today_));
   }
@@ -265,7 +268,13 @@ TEST_F(HomePromptsTest, WhereARoomIsIsToldByRoomsAndDirection) {
   };
   EXPECT_THAT(told({{}, "kitchen"}), ElementsAre("You are in the kitchen."));
   EXPECT_THAT(told({{}, "bedroom"}), ElementsAre("The kitchen is the next room."));
-  EXPECT_EQ(told({Pose{Vector2d(1, 1), 0, 0.05}, "bedroom"}).size(), 2U);
+  EXPECT_THAT(
+      told({Pose{Vector2d(1, 1), 0, 0.05}, "bedroom"}),
+      ElementsAre("The kitchen is the next room.", ::testing::StartsWith("The kitchen is at ")));
+  const Vector2d before_it = middle_of_kitchen() - Vector2d(1, 0);
+  EXPECT_THAT(told({Pose{before_it, 0, 0.4}, "bedroom"}),
+              ElementsAre("The kitchen is the next room.",
+                          "The kitchen is probably at 12 o'clock, 1 step."));
   EXPECT_THAT(told(nowhere_), ElementsAre("I do not know where you stand. Turn slowly."));
 }
 
