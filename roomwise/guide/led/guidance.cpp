@@ -155,7 +155,9 @@ std::optional<Prompt> Guidance::update(const Walker& walker) {
     if (auto warning = off_the_way(*pose)) return warning;
   }
   if (is_speaking()) return std::nullopt;
-  if (state_ == State::kByRooms) return by_rooms();
+  if (state_ == State::kByRooms) {
+    return pose != nullptr && finds_way(*pose) ? begin(*pose) : by_rooms();
+  }
   if (state_ == State::kLost) return lost();
   if (pose == nullptr) return unseen();
   switch (state_) {
@@ -178,9 +180,21 @@ std::optional<Prompt> Guidance::update(const Walker& walker) {
 
 void Guidance::plan_from(const Pose& pose) {
   way_.plan_from({.pose = pose, .room = walker_.room}, floor_);
+  planned_ns_ = now_ns();
   said_.what_comes_next = said_.reminder = false;
   line_.off_since_ns.reset();
   line_.is_off = false;
+}
+
+// Now and then: one wrong place, or what has gone since, must not take the way away for good.
+bool Guidance::finds_way(const Pose& pose) {
+  constexpr double kAgain_s = 5;
+  if (seconds_between(planned_ns_, now_ns()) < kAgain_s) return false;
+  plan_from(pose);
+  if (!way_.leads_over_floor()) return false;
+  state_ = State::kBeginning;
+  said_.of_beginning = 0;
+  return true;
 }
 
 // What is ahead of the way, how far, and where somebody stands: a prompt each.

@@ -141,6 +141,8 @@ class Guidance {
 
   // ---- what somebody does then ----
   void plan_from(const Pose& pose);
+  // Where none was known before.
+  [[nodiscard]] bool finds_way(const Pose& pose);
   // Plans anew and says what to do now.
   [[nodiscard]] Prompt act(const Pose& pose);
   [[nodiscard]] Prompt turn(const Pose& pose, double turn_rad);
@@ -210,7 +212,8 @@ class Guidance {
   Barred barred_;
   Unseen unseen_;
   std::optional<StairsOnWay> stairs_;  // that are walked over now
-  double turn_from_rad_ = 0;           // the heading when a turn was asked for
+  TimestampNs planned_ns_ = 0;
+  double turn_from_rad_ = 0;  // the heading when a turn was asked for
 };
 
 }  // namespace roomwise::guide

@@ -994,6 +994,16 @@ TEST_F(GuidanceTest, WhereNothingButRoomsIsKnownTheyAreTold) {
   EXPECT_EQ(guidance_->state(), State::kByRooms);
 }
 
+TEST_F(GuidanceTest, AWayThatWasNotFoundOnceIsLookedForAgain) {
+  room_ = "bedroom";
+  lead_to(room("kitchen"), {-3, 3.45}, 0);  // a wrong place, off the floor
+  EXPECT_THAT(hear(20), ElementsAre("I know no safe way there.", "The kitchen is the next room."));
+  EXPECT_EQ(guidance_->state(), State::kByRooms);
+  place_ = {1, 3.45};
+  EXPECT_THAT(hear(14), ElementsAre("To the kitchen: about 7 steps.", "The door is ahead of you.",
+                                    "Straight on, 6 steps to the door."));
+}
+
 TEST_F(GuidanceTest, WhereNoSafeWayIsKnownItLeadsNearAndTellsTheRest) {
   grid_ = testing::two_rooms().fill({19, 1}, {40, 39}, FloorCell::kUnknown).grid();
   lead_to(bed_at({3.5, 3.4}, "bedroom"), {0.6, 3.45}, 0);
