@@ -182,14 +182,12 @@ Expected<DepthImage> decode_rvl(Row bytes) {
 }
 
 // 32FC1 is stored as a / depth + b, rounded.
-Expected<DepthImage> decode_inverse_depth(const CompressedImageMessage& image) {
+void invert_depth(const CompressedImageMessage& image, DepthImage& depth) {
   const double a = load<float>(image.data.data() + 4);
   const double b = load<float>(image.data.data() + 8);
-  ROOMWISE_TRY(DepthImage depth, image::decode_depth(Row(image.data).subspan(kConfigBytes)));
   for (std::uint16_t& pixel : depth.pixels()) {
     pixel = pixel == 0 ? std::uint16_t{0} : to_millimetres(a / (pixel - b));
   }
-  return depth;
 }
 
 }  // namespace
@@ -253,10 +251,16 @@ std::span<const std::uint8_t> depth_png_of(const CompressedImageMessage& image) 
 Expected<DepthImage> depth_of(const CompressedImageMessage& image) {
   if (const Row png = depth_png_of(image); !png.empty()) return image::decode_depth(png);
   if (image.data.size() <= kConfigBytes) return fail("its depth has {} bytes", image.data.size());
-  if (image.format.ends_with("rvl")) return decode_rvl(Row(image.data).subspan(kConfigBytes));
-  if (image.format.starts_with("32FC1")) return decode_inverse_depth(image);
-  return fail("its depth is of the format '{}', which is not read; record 16UC1 as PNG",
-              image.format);
+  const bool is_rvl = image.format.ends_with("rvl");
+  const bool is_inverse = image.format.starts_with("32FC1");
+  if (!is_rvl && !is_inverse) {
+    return fail("its depth is of the format '{}', which is not read; record 16UC1 as PNG",
+                image.format);
+  }
+  const Row picture = Row(image.data).subspan(kConfigBytes);
+  ROOMWISE_TRY(DepthImage depth, is_rvl ? decode_rvl(picture) : image::decode_depth(picture));
+  if (is_inverse) invert_depth(image, depth);
+  return depth;
 }
 
 }  // namespace roomwise::recording

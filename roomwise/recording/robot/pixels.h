@@ -21,7 +21,7 @@ enum class PixelKind { kColor, kGray, kDepth, kOther };
 // 16UC1 and mono16 as they are; 32FC1 (m) in mm, where NaN, infinities, what is not positive and
 // what is beyond 65 m are 0.
 [[nodiscard]] Expected<image::DepthImage> depth_of(const ImageMessage& image);
-// 16-bit PNG; ROS's compressedDepth: 16UC1 as PNG or RVL, 32FC1 (to mm) as PNG of inverse depth.
+// 16-bit PNG; ROS's compressedDepth as PNG or RVL: 16UC1, or 32FC1 (to mm) as inverse depth.
 [[nodiscard]] Expected<image::DepthImage> depth_of(const CompressedImageMessage& image);
 // The PNG that depth_of() would decode, where it needs nothing more.
 [[nodiscard]] std::span<const std::uint8_t> depth_png_of(const CompressedImageMessage& image);

@@ -116,14 +116,22 @@ TEST(Pixels, CompressedDepthInMetresIsInverse) {
   EXPECT_TRUE(depth_png_of(image).empty());
 }
 
+// One zero, then three values: 5, 5, 3.
+Bytes some_rvl() {
+  return ByteWriter()
+      .number<std::uint32_t>(4)
+      .number<std::uint32_t>(1)
+      .number<std::uint32_t>(0x13A10300)
+      .all();
+}
+
+TEST(Pixels, CompressedDepthInMetresIsInverseInRvlToo) {
+  const auto image = compressed("32FC1; compressedDepth rvl", with_config(10, -5, some_rvl()));
+  EXPECT_THAT(depth_of(image).value().pixels(), ElementsAre(0, 1000, 1000, 1250));
+}
+
 TEST(Pixels, CompressedDepthMayBeRvl) {
-  // One zero, then three depths: 5, 5, 3.
-  const Bytes rvl = ByteWriter()
-                        .number<std::uint32_t>(4)
-                        .number<std::uint32_t>(1)
-                        .number<std::uint32_t>(0x13A10300)
-                        .all();
-  const auto image = compressed("16UC1; compressedDepth rvl", with_config(0, 0, rvl));
+  const auto image = compressed("16UC1; compressedDepth rvl", with_config(0, 0, some_rvl()));
   EXPECT_THAT(depth_of(image).value().pixels(), ElementsAre(0, 5, 5, 3));
   auto cut_off = image;
   cut_off.data.resize(cut_off.data.size() - 1);
