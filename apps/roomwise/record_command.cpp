@@ -1,4 +1,3 @@
-#include <poll.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -16,6 +15,7 @@
 #include "roomwise/recording/room_labels.h"
 #include "roomwise/recording/tum_writer.h"
 #include "skip_damaged.h"
+#include "typed_room.h"
 
 namespace roomwise::app {
 namespace {
@@ -50,40 +50,6 @@ Expected<std::unique_ptr<recording::FrameSource>> open_source(const RecordOption
   return std::unique_ptr<recording::FrameSource>(std::move(source));
 }
 
-// The lines that the user types while the recording runs, without waiting for them.
-class TypedLines {
- public:
-  // Only a person at a terminal types rooms; a pipe or a file on standard input is left alone.
-  TypedLines() : open_(::isatty(STDIN_FILENO) == 1) {}
-
-  std::optional<std::string> next() {
-    while (open_ && ready()) read_some();
-    const std::size_t end = typed_.find('\n');
-    if (end == std::string::npos) return std::nullopt;
-    std::string line = typed_.substr(0, end);
-    typed_.erase(0, end + 1);
-    return line;
-  }
-
- private:
-  static bool ready() {
-    pollfd input{STDIN_FILENO, POLLIN, 0};
-    return ::poll(&input, 1, 0) > 0;
-  }
-  void read_some() {
-    char buffer[256];
-    const ssize_t got = ::read(STDIN_FILENO, buffer, sizeof buffer);
-    if (got <= 0) {
-      open_ = false;
-    } else {
-      typed_.append(buffer, static_cast<std::size_t>(got));
-    }
-  }
-
-  bool open_;
-  std::string typed_;
-};
-
 // Which room the frames show: what the user types, after --room, after what the copied recording's
 // own rooms.txt says.
 class CurrentRoom {
@@ -98,18 +64,16 @@ class CurrentRoom {
     return current;
   }
 
-  std::optional<std::string> at(std::uint64_t frame) {
-    while (auto line = typed_.next()) {
-      labels_.reset();
-      room_ = line->empty() ? std::nullopt : std::optional(*line);
-    }
+  std::optional<std::string> at(std::uint64_t frame, TerminalProgress& progress) {
+    if (typed_.take(room_, progress)) labels_.reset();
     if (!labels_) return room_;
     const recording::RoomRange* range = labels_->find(frame);
     return range == nullptr ? std::nullopt : std::optional(range->room);
   }
 
  private:
-  TypedLines typed_;
+  // Only a person at a terminal types rooms; a pipe or a file on standard input is left alone.
+  TypedRoom typed_{::isatty(STDIN_FILENO) == 1 ? STDIN_FILENO : -1};
   std::optional<std::string> room_;
   std::optional<recording::RoomLabels> labels_;
 };
@@ -129,7 +93,7 @@ TimestampNs to_calendar_ns(const recording::FrameSource& source, TimestampNs fir
 }
 
 Expected<void> copy_frames(recording::FrameSource& source, recording::TumWriter& writer,
-                           const RecordOptions& options, Progress& progress) {
+                           const RecordOptions& options, TerminalProgress& progress) {
   ROOMWISE_TRY(CurrentRoom current, CurrentRoom::start(options));
   std::optional<TimestampNs> first_ns;
   TimestampNs offset_ns = 0;
@@ -142,7 +106,7 @@ Expected<void> copy_frames(recording::FrameSource& source, recording::TumWriter&
     }
     const double elapsed_s = static_cast<double>(frame->timestamp_ns - *first_ns) * kSecondsPerNs;
     if (options.seconds && elapsed_s > *options.seconds) break;
-    const std::optional<std::string> room = current.at(frame->index);
+    const std::optional<std::string> room = current.at(frame->index, progress);
     ROOMWISE_RETURN_IF_ERROR(writer.name_room(room));
     frame->timestamp_ns += offset_ns;
     ROOMWISE_RETURN_IF_ERROR(writer.write(*frame));
