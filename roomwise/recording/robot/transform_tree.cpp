@@ -32,8 +32,11 @@ void MovingTransform::add(TimestampNs timestamp_ns, const geometry::RigidTransfo
     moves_ = moves_ || !is_same(samples_.front().transform, transform);
     const TimestampNs since = timestamp_ns - samples_.back().timestamp_ns;
     if (since >= 0 && since < kDenseEnough) return;
-    // What stands still needs its first and its last time only.
-    if (!moves_ && samples_.size() > 1) samples_.pop_back();
+    // What stands still needs no sample that at() can do without.
+    const auto joins = [&](const Sample& kept) {
+      return std::abs(timestamp_ns - kept.timestamp_ns) <= kLongestGap;
+    };
+    if (!moves_ && samples_.size() > 1 && joins(samples_.end()[-2])) samples_.pop_back();
   }
   samples_.push_back({timestamp_ns, transform});
 }

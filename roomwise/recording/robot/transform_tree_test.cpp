@@ -70,11 +70,27 @@ TEST(TransformTree, WhatNeverMovesIsKnownAtAnyTime) {
 
 TEST(TransformTree, WhatStoodStillAndThenMovesStandsStillUntilThen) {
   TransformTree tree;
-  for (int i = 0; i <= 10; ++i) tree.add(link("odom", "base", i * kTreeSecond / 10, 0));
-  tree.add(link("odom", "base", 11 * kTreeSecond / 10, 1));
+  for (int i = 0; i <= 200; ++i) tree.add(link("odom", "base", i * kTreeSecond / 10, 0));
+  tree.add(link("odom", "base", 201 * kTreeSecond / 10, 1));
   tree.sort();
-  EXPECT_NEAR(tree.look_up("odom", "base", 21 * kTreeSecond / 20)->translation.x(), 0.5, 1e-9);
-  EXPECT_NEAR(tree.look_up("odom", "base", kTreeSecond)->translation.x(), 0, 1e-9);
+  EXPECT_NEAR(tree.look_up("odom", "base", 401 * kTreeSecond / 20)->translation.x(), 0.5, 1e-9);
+  for (int i = 0; i <= 400; ++i) {
+    const auto still = tree.look_up("odom", "base", i * kTreeSecond / 20);
+    ASSERT_TRUE(still) << i;
+    EXPECT_NEAR(still->translation.x(), 0, 1e-9);
+  }
+}
+
+TEST(TransformTree, WhatStoodStillIsNotKnownWithinAGap) {
+  TransformTree tree;
+  for (int i = 0; i <= 100; ++i) {
+    if (i < 50 || i > 70) tree.add(link("odom", "base", i * kTreeSecond / 10, 0));
+  }
+  tree.add(link("odom", "base", 101 * kTreeSecond / 10, 1));
+  tree.sort();
+  EXPECT_TRUE(tree.look_up("odom", "base", 49 * kTreeSecond / 10));
+  EXPECT_FALSE(tree.look_up("odom", "base", 6 * kTreeSecond));
+  EXPECT_TRUE(tree.look_up("odom", "base", 71 * kTreeSecond / 10));
 }
 
 TEST(TransformTree, ACircleEndsSomewhere) {
