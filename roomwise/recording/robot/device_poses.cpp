@@ -45,18 +45,50 @@ struct Odometry {
   MovingTransform world_from_child;
 };
 
+Expected<TransformMessage> read_pose(const MessageLog& log, std::size_t channel,
+                                     const MessagePlace& message) {
+  ROOMWISE_TRY(const Bytes bytes, log.read(message));
+  return decode_odometry(log.channels()[channel], bytes);
+}
+
 Odometry read_odometry(const MessageLog& log, std::size_t channel) {
   Odometry odometry;
   for (const MessagePlace& message : log.messages(channel)) {
-    const auto bytes = log.read(message);
-    const auto pose = bytes ? decode_odometry(log.channels()[channel], *bytes)
-                            : Expected<TransformMessage>(Unexpected(bytes.error()));
+    const auto pose = read_pose(log, channel, message);
     if (!pose) continue;
     odometry.child = pose->child;
     odometry.world_from_child.add(message.timestamp_ns, pose->parent_from_child);
   }
   odometry.world_from_child.sort();
   return odometry;
+}
+
+// Whether odometry says where the camera goes and transforms do not: those that move the camera
+// move it within the robot alone, whose place in the odometry's frame they leave open.
+bool is_needed(const TransformMessage& odometry, const TransformTree& tree,
+               const std::string& camera_frame) {
+  const std::string root = tree.root_of(camera_frame);
+  if (tree.root_of(odometry.child) != root) return false;
+  return !tree.moves(camera_frame, root) ||
+         (!tree.moves(odometry.child, root) && tree.root_of(odometry.header.frame) != root);
+}
+
+// Those with most messages first.
+std::vector<std::size_t> needed_odometry(const MessageLog& log, const TransformTree& tree,
+                                         const std::string& camera_frame) {
+  std::vector<std::size_t> channels;
+  for (std::size_t i = 0; i < log.channels().size(); ++i) {
+    if (log.channels()[i].type != MessageType::kOdometry) continue;
+    for (const MessagePlace& message : log.messages(i)) {
+      const auto pose = read_pose(log, i, message);
+      if (!pose) continue;
+      if (is_needed(*pose, tree, camera_frame)) channels.push_back(i);
+      break;
+    }
+  }
+  std::ranges::stable_sort(channels, std::greater<>(),
+                           [&](std::size_t i) { return log.messages(i).size(); });
+  return channels;
 }
 
 Trajectory poses_by(const Odometry& odometry, const TransformTree& tree,
@@ -69,22 +101,6 @@ Trajectory poses_by(const Odometry& odometry, const TransformTree& tree,
     poses.push_back({time, *world_from_child * *child_from_camera});
   }
   return poses;
-}
-
-Trajectory poses_by_odometry(const MessageLog& log, const TransformTree& tree,
-                             const std::string& camera_frame,
-                             const std::vector<TimestampNs>& times) {
-  std::vector<std::size_t> channels;
-  for (std::size_t i = 0; i < log.channels().size(); ++i) {
-    if (log.channels()[i].type == MessageType::kOdometry) channels.push_back(i);
-  }
-  std::ranges::stable_sort(channels, std::greater<>(),
-                           [&](std::size_t i) { return log.messages(i).size(); });
-  for (const std::size_t channel : channels) {
-    Trajectory poses = poses_by(read_odometry(log, channel), tree, camera_frame, times);
-    if (!poses.empty()) return poses;
-  }
-  return {};
 }
 
 }  // namespace
@@ -105,22 +121,23 @@ TransformTree read_transforms(const MessageLog& log, std::vector<std::string>& n
   return tree;
 }
 
-bool are_odometry(const TransformTree& tree, const std::string& camera_frame) {
+DevicePoses find_device_poses(const MessageLog& log, const TransformTree& tree,
+                              const std::string& camera_frame,
+                              const std::vector<TimestampNs>& times) {
+  DevicePoses found;
+  const auto channels = needed_odometry(log, tree, camera_frame);
+  for (const std::size_t channel : channels) {
+    found.poses = poses_by(read_odometry(log, channel), tree, camera_frame, times);
+    if (!found.poses.empty()) break;
+  }
   const std::string world = tree.root_of(camera_frame);
-  return !tree.moves(camera_frame, world) || world.find("odom") != std::string::npos;
-}
-
-Trajectory find_device_poses(const MessageLog& log, const TransformTree& tree,
-                             const std::string& camera_frame,
-                             const std::vector<TimestampNs>& times) {
-  const std::string world = tree.root_of(camera_frame);
-  if (!tree.moves(camera_frame, world)) return poses_by_odometry(log, tree, camera_frame, times);
-  Trajectory poses;
+  if (!channels.empty() || !tree.moves(camera_frame, world)) return found;
+  found.are_odometry = world.find("odom") != std::string::npos;
   for (const TimestampNs time : times) {
     const auto world_from_camera = tree.look_up(world, camera_frame, time);
-    if (world_from_camera) poses.push_back({time, *world_from_camera});
+    if (world_from_camera) found.poses.push_back({time, *world_from_camera});
   }
-  return poses;
+  return found;
 }
 
 }  // namespace roomwise::recording

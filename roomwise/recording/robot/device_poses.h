@@ -10,16 +10,19 @@ namespace roomwise::recording {
 // that cannot be read are left out, and `notes` says how many.
 [[nodiscard]] TransformTree read_transforms(const MessageLog& log, std::vector<std::string>& notes);
 
-// Whether find_device_poses() are the device's own odometry: messages of odometry, or transforms
-// whose root says so by its name ("odom"). Transforms from "map" or "world" were corrected by a map
-// or measured from outside.
-[[nodiscard]] bool are_odometry(const TransformTree& tree, const std::string& camera_frame);
+struct DevicePoses {
+  Trajectory poses;
+  // The device's own odometry: messages of odometry, or transforms whose root says so by its name
+  // ("odom"). Transforms from "map" or "world" were corrected by a map or measured from outside.
+  bool are_odometry = true;
+};
 
 // Where the camera's frame was at these times (increasing), as far as it is known: in the frame
 // above all others, where the camera moves in it; else by the odometry with most messages whose
-// child is connected with the camera. Empty where the log tells neither.
-[[nodiscard]] Trajectory find_device_poses(const MessageLog& log, const TransformTree& tree,
-                                           const std::string& camera_frame,
-                                           const std::vector<TimestampNs>& times);
+// child is connected with the camera. Odometry comes first where transforms move the camera within
+// the robot alone: none moves the child, nor connects the odometry's own frame with it.
+[[nodiscard]] DevicePoses find_device_poses(const MessageLog& log, const TransformTree& tree,
+                                            const std::string& camera_frame,
+                                            const std::vector<TimestampNs>& times);
 
 }  // namespace roomwise::recording

@@ -223,8 +223,9 @@ Expected<std::unique_ptr<Recording>> open_log(std::string kind, MessageLog whole
                 static_cast<double>(options.tolerance_ns) * kSecondsPerNs);
   }
   contents.info.left_out = personal_data_of(*log, pair.color, colors);
-  contents.poses_are_device_motion = are_odometry(tree, pair.color.frame);
-  contents.device_poses = find_device_poses(*log, tree, pair.color.frame, colors.times);
+  DevicePoses found = find_device_poses(*log, tree, pair.color.frame, colors.times);
+  contents.poses_are_device_motion = found.are_odometry;
+  contents.device_poses = std::move(found.poses);
   return std::unique_ptr<Recording>(new RobotRecording(std::move(contents), log, std::move(pair),
                                                        camera, std::move(colors),
                                                        std::move(depth_of_color)));

@@ -175,19 +175,42 @@ TEST_F(RobotTest, RealSenseIsRegisteredByItsExtrinsics) {
   EXPECT_EQ((*frame)->depth.at(36, 10), 0);
 }
 
-TEST_F(RobotTest, OdometryTellsPosesWhereTransformsDoNot) {
+// Drives 1 m between two pictures while its head moves by `head_m` on it.
+RobotLog robot_with_a_head(double head_m) {
   RobotLog log;
   log.info("/camera/camera_info", "color");
-  log.transform("/tf_static", kStart, "base", "color", 0.5);
+  log.transform("/tf_static", kStart, "head", "color", 0.5);
   for (int i = 0; i < 3; ++i) {
-    log.color("/camera/rgb", kStart + i * kTenth, "color")
-        .depth("/camera/depth", kStart + i * kTenth, "color");
-    log.odometry(kStart + i * kTenth, "base", i);
+    const TimestampNs time = kStart + i * kTenth;
+    log.color("/camera/rgb", time, "color").depth("/camera/depth", time, "color");
+    log.transform("/tf", time, "base", "head", head_m * i).odometry(time, "base", i);
   }
-  const auto opened = open(log);
-  ASSERT_OK(opened);
-  ASSERT_THAT((*opened)->device_poses(), SizeIs(3));
-  EXPECT_NEAR((*opened)->device_poses()[2].world_from_camera.translation.x(), 2.5, 1e-9);
+  return log;
+}
+
+TEST_F(RobotTest, OdometryTellsPosesWhereTransformsDoNot) {
+  for (const double head_m : {0.0, 0.1}) {
+    const auto opened = open(robot_with_a_head(head_m));
+    ASSERT_OK(opened);
+    EXPECT_TRUE((*opened)->has_device_motion());
+    ASSERT_THAT((*opened)->device_poses(), SizeIs(3));
+    EXPECT_NEAR((*opened)->device_poses()[2].world_from_camera.translation.x(), 2.5 + 2 * head_m,
+                1e-9);
+  }
+}
+
+TEST_F(RobotTest, TransformsTellPosesWhereTheyMoveTheRobot) {
+  for (const std::string world : {"map", "odom"}) {
+    RobotLog log = robot_with_a_head(0.1);
+    for (int i = 0; i < 3; ++i) {
+      log.transform("/tf", kStart + i * kTenth, world, "base", 10 * i);
+    }
+    const auto opened = open(log);
+    ASSERT_OK(opened);
+    EXPECT_EQ((*opened)->has_device_motion(), world == "odom");
+    ASSERT_THAT((*opened)->device_poses(), SizeIs(3));
+    EXPECT_NEAR((*opened)->device_poses()[2].world_from_camera.translation.x(), 20.7, 1e-9);
+  }
 }
 
 TEST_F(RobotTest, CompressedImagesAreKeptAsTheyCame) {
