@@ -235,6 +235,24 @@ TEST_F(RobotTest, CompressedImagesAreKeptAsTheyCame) {
   EXPECT_EQ((*frame)->depth.at(5, 5), 1234);
 }
 
+TEST_F(RobotTest, AGreyPngOfSixteenBitsIsDepthWhereItIsCalledSoAlone) {
+  const auto open_with = [this](const std::string& topic, const std::string& format) {
+    RobotLog log;
+    log.info("/camera/camera_info", "color").color("/camera/rgb", kStart, "color");
+    Bytes picture(format.find("compressedDepth") == std::string::npos ? 0 : 12, 0);
+    const Bytes png = image::encode_png(image::DepthImage(kWidth, kHeight, 1234));
+    picture.insert(picture.end(), png.begin(), png.end());
+    log.add(topic, "sensor_msgs/CompressedImage", kStart,
+            write_compressed_image(Encoding::kRos1, {{kStart, "color"}, format, picture}));
+    return open(log);
+  };
+  EXPECT_ERROR(open_with("/camera/infra/compressed", "mono16; png compressed "),
+               "depth none; of other kinds /camera/infra/compressed");
+  EXPECT_OK(open_with("/camera/Depth/compressed", "mono16; png compressed "));
+  EXPECT_OK(open_with("/camera/range/packed", "mono16; compressedDepth png"));
+  EXPECT_OK(open_with("/camera/range/compressed", "16UC1; png compressed "));
+}
+
 TEST_F(RobotTest, WhereItWasAndByWhomAPictureIsSaysSoAlone) {
   EXPECT_FALSE(open(simple_robot()).value()->info().left_out.any());
   RobotLog with_gps = simple_robot();

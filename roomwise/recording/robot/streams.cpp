@@ -129,6 +129,11 @@ Expected<void> look_at(const Channel& channel, const Bytes& bytes, ImageStream& 
   if (stream.is_compressed) {
     ROOMWISE_TRY(const CompressedImageMessage image, decode_compressed_image(channel, bytes));
     stream.kind = pixel_kind(image);
+    const bool is_packed_for_depth = image.format.find("compressedDepth") != std::string::npos;
+    if (image.format.starts_with("mono16") && !is_packed_for_depth &&
+        !is_called_depth(channel.topic)) {
+      stream.kind = PixelKind::kOther;
+    }
     stream.frame = image.header.frame;
     return take_size(image, stream);
   }
