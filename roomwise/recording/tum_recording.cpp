@@ -182,7 +182,8 @@ Expected<image::ColorImage> TumRecording::read_picture(const RecordedPicture& pi
 
 Expected<Bytes> TumRecording::read_picture_file(const RecordedPicture& picture) const {
   ROOMWISE_TRY(const Bytes bytes, colors_.read(picture.index));
-  if (auto bare = image::without_metadata(bytes)) return *std::move(bare);
+  auto bare = image::is_webp(bytes) ? std::nullopt : image::without_metadata(bytes);
+  if (bare) return *std::move(bare);
   ROOMWISE_TRY(const image::ColorImage color, read_picture(picture));
   return image::encode_png(color);
 }
@@ -213,8 +214,8 @@ Expected<image::RgbdFrame> TumRecording::read_frame(const RecordedPicture& pictu
   }
   frame.color = std::move(color);
   frame.depth = std::move(depth);
-  // Whoever sends or stores them says no more than what is seen.
-  frame.encoded_color = image::color_file(frame);
+  // Whoever sends or stores them says no more than what is seen. Frames are kept as JPEG or PNG.
+  frame.encoded_color = image::is_webp(frame.encoded_color) ? Bytes() : image::color_file(frame);
   frame.encoded_depth = image::depth_file(frame);
   return frame;
 }

@@ -6,6 +6,7 @@
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/image/testing/exif_writer.h"
+#include "roomwise/recording/tum_writer.h"
 
 namespace roomwise::recording {
 namespace {
@@ -92,6 +93,26 @@ TEST_F(TumFolder, SaysThatAPictureTellsWhereItWasTakenAndGivesItsFileWithout) {
   EXPECT_EQ(image::testing::secrets_in((*frame)->encoded_color), "") << "whoever sends the frame";
   EXPECT_EQ(image::decode_color(file).value(), (*frame)->color) << "turned as before";
   EXPECT_EQ((*recording)->read_color_file(3).value(), file);
+}
+
+TEST_F(TumFolder, WebPIsReadAndKeptAsAnotherKind) {
+  const Bytes webp{0x52, 0x49, 0x46, 0x46, 0x26, 0x00, 0x00, 0x00, 0x57, 0x45, 0x42, 0x50,
+                   0x56, 0x50, 0x38, 0x4C, 0x1A, 0x00, 0x00, 0x00, 0x2F, 0x07, 0x40, 0x01,
+                   0x00, 0x07, 0x50, 0x32, 0x85, 0x00, 0x02, 0xA0, 0xA0, 0x29, 0x72, 0xFF,
+                   0x63, 0x00, 0x04, 0xE1, 0x7F, 0xDB, 0x44, 0x44, 0xFF, 0x43};
+  const image::ColorImage color(kWidth, kHeight, {3, 100, 200});
+  write("rgb/3.png", webp);
+  const auto recording = open();
+  ASSERT_OK(recording);
+  const auto frame = (*recording)->frame(3);
+  ASSERT_OK(frame);
+  EXPECT_EQ((*frame)->color, color);
+  EXPECT_EQ((*recording)->read_color_file(3).value(), image::encode_png(color));
+  EXPECT_EQ(image::color_file(**frame), image::encode_png(color));
+  const ScratchFolder copy;
+  const auto writer = TumWriter::create(copy.path(), (*recording)->info().camera);
+  ASSERT_OK(writer);
+  EXPECT_OK((*writer)->write(**frame));
 }
 
 TEST_F(TumFolder, SkipsFramesByIndex) {
