@@ -10,6 +10,7 @@
 #include "roomwise/recording/bytes/random_access_file.h"
 #include "roomwise/recording/bytes/unpack.h"
 #include "roomwise/recording/personal_files.h"
+#include "roomwise/recording/phone/longest_rise.h"
 #include "roomwise/recording/phone/one_camera.h"
 #include "roomwise/recording/robot/working_camera.h"
 
@@ -158,15 +159,17 @@ Expected<std::vector<SensFrame>> read_frames(const RandomAccessFile& file, const
   return frames;
 }
 
-void give_times(std::vector<SensFrame>& frames, std::vector<std::string>& notes) {
-  const auto goes_back = [](const SensFrame& a, const SensFrame& b) {
-    return b.timestamp_ns <= a.timestamp_ns;
-  };
-  if (std::ranges::adjacent_find(frames, goes_back) == frames.end()) return;
+// Whether the time of each frame fits those of the others. Where most do not, all are given others.
+std::vector<bool> give_times(std::vector<SensFrame>& frames, std::vector<std::string>& notes) {
+  std::vector<TimestampNs> times;
+  for (const SensFrame& frame : frames) times.push_back(frame.timestamp_ns);
+  std::vector<bool> fits = in_longest_increasing_subsequence(times);
+  if (2 * std::ranges::count(fits, true) > std::ssize(frames)) return fits;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     frames[i].timestamp_ns = static_cast<TimestampNs>(i) * kSensPeriod;
   }
-  notes.emplace_back("the frames have no times of their own: 30 a second are assumed");
+  notes.emplace_back("most frames have no time that fits the others': 30 a second are assumed");
+  return std::vector<bool>(frames.size(), true);
 }
 
 std::optional<geometry::RigidTransform> pose_of(const Matrix4& matrix) {
@@ -308,11 +311,17 @@ Expected<std::unique_ptr<Recording>> open_sens_recording(const std::filesystem::
         fmt::format("the file ends within frame {} of {}; those before are read", frames.size(),
                     head.frame_count));
   }
-  give_times(frames, contents.notes);
+  const std::vector<bool> fits = give_times(frames, contents.notes);
   contents.info.left_out = personal_data_of_some(frames.size(), [&](std::size_t i) {
     return file.read(frames[i].offset, frames[i].color_size);
   });
   for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (!fits[i]) {
+      contents.damaged.push_back(
+          {i, fmt::format("{}: the time of frame {} does not fit those of the others",
+                          path.string(), i)});
+      continue;
+    }
     contents.pictures.push_back({i, frames[i].timestamp_ns, true});
     const auto pose = pose_of(frames[i].world_from_camera);
     if (pose) contents.device_poses.push_back({frames[i].timestamp_ns, *pose});

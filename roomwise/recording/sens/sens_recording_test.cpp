@@ -75,13 +75,33 @@ TEST_F(SensTest, PlainDepthIsReadToo) {
 
 TEST_F(SensTest, FramesWithoutTimesAreThirtyASecond) {
   SensPlan plan;
-  plan.has_times = false;
+  plan.times_us = {0, 0, 0};
   const auto opened = open(plan);
   ASSERT_OK(opened);
   EXPECT_NEAR(
       seconds_between((*opened)->pictures()[0].timestamp_ns, (*opened)->pictures()[2].timestamp_ns),
       2.0 / 30, 1e-6);
   EXPECT_THAT((*opened)->notes(), ElementsAre(HasSubstr("30 a second are assumed")));
+}
+
+TEST_F(SensTest, ATimeThatDoesNotFitCostsItsFrameAlone) {
+  for (const std::uint64_t damaged : {1'033'000U, 7U, 9'000'000U}) {  // again, back, far ahead
+    SensPlan plan;
+    plan.frame_count = 4;
+    plan.colors = std::vector(4, image::encode_jpeg(image::ColorImage(80, 60, {9, 9, 9}), 90));
+    plan.times_us = {1'000'000, 1'033'000, damaged, 1'099'000};
+    const auto opened = open(plan);
+    ASSERT_OK(opened);
+    EXPECT_THAT((*opened)->frames(), ElementsAre(0, 1, 3));
+    EXPECT_EQ((*opened)->pictures()[2].timestamp_ns, 1'099'000'000);
+    EXPECT_OK((*opened)->frame(3));
+    EXPECT_THAT((*opened)->device_poses(), SizeIs(2));
+    EXPECT_THAT((*opened)->notes(), IsEmpty());
+    ASSERT_THAT((*opened)->damaged(), SizeIs(1));
+    EXPECT_EQ((*opened)->damaged()[0].index, 2U);
+    EXPECT_THAT((*opened)->damaged()[0].why,
+                HasSubstr("scene.sens: the time of frame 2 does not fit those of the others"));
+  }
 }
 
 TEST_F(SensTest, RefusesWhatItDoesNotRead) {

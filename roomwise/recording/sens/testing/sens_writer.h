@@ -14,9 +14,9 @@ namespace roomwise::recording::testing {
 struct SensPlan {
   std::uint32_t version = 4;
   std::int32_t color_packing = 2, depth_packing = 1;
-  std::uint64_t frame_count = 3;  // as claimed
-  double color_offset_m = 0;      // of the colour camera
-  bool has_times = true;
+  std::uint64_t frame_count = 3;             // as claimed
+  double color_offset_m = 0;                 // of the colour camera
+  std::vector<std::uint64_t> times_us = {};  // the frames'; empty: 33 ms apart
   int color_width = 80, color_height = 60;
   double color_focal_ratio = 1.25;  // focal length over width
   std::uint16_t depth_mm = 1500;
@@ -59,7 +59,8 @@ inline Bytes sens_file(const SensPlan& plan) {
   for (int i = 0; i < std::ssize(colors); ++i) {
     const Bytes& color = colors[static_cast<std::size_t>(i)];
     put_matrix(out, 1, 0, 0, i == 1 ? -std::numeric_limits<double>::infinity() : i);
-    const auto time = static_cast<std::uint64_t>(plan.has_times ? 1'000'000 + 33'000 * i : 0);
+    const auto time = plan.times_us.empty() ? static_cast<std::uint64_t>(1'000'000 + 33'000 * i)
+                                            : plan.times_us[static_cast<std::size_t>(i)];
     out.number<std::uint64_t>(time).number<std::uint64_t>(time);
     out.number<std::uint64_t>(color.size()).number<std::uint64_t>(packed.size());
     out.bytes(color).bytes(packed);
