@@ -269,6 +269,27 @@ class Transfer {
   std::uint64_t received_ = 0;
 };
 
+// Whether nothing is left to fetch, but a name to give. Only a digest tells.
+bool is_whole(PartFile& part, const ExpectedFile& expected) {
+  return !expected.sha256_begin.empty() && part.flush_to_disk() &&
+         check_file(part.path(), expected);
+}
+
+// Gives the number of bytes that were there before.
+Expected<std::uint64_t> complete(const std::string& url, PartFile& part,
+                                 const ExpectedFile& expected, Progress& progress,
+                                 const DownloadOptions& options) {
+  ROOMWISE_TRY(const std::uint64_t left, part.bytes());
+  if (left == expected.bytes && is_whole(part, expected)) return left;
+  ROOMWISE_TRY(const Rest rest, find_rest(url, part));
+  Transfer transfer(url, part, expected, progress, options, rest);
+  Expected<std::uint64_t> resumed = transfer.run();
+  if (resumed || rest.bytes == 0 || !transfer.range_was_refused()) return resumed;
+  if (is_whole(part, expected)) return left;
+  ROOMWISE_RETURN_IF_ERROR(part.clear());
+  return Transfer(url, part, expected, progress, options, {}).run();
+}
+
 }  // namespace
 
 Expected<void> DownloadOptions::validate() const {
@@ -291,17 +312,9 @@ Expected<FetchedFile> download(const std::string& url, const fs::path& target,
   if (kReady != CURLE_OK) return fail("libcurl cannot be set up: {}", curl_easy_strerror(kReady));
 
   ROOMWISE_TRY(PartFile part, PartFile::open(target));
-  ROOMWISE_TRY(const Rest rest, find_rest(url, part));
-  Transfer transfer(url, part, expected, progress, options, rest);
-  Expected<std::uint64_t> resumed = transfer.run();
-  if (!resumed && rest.bytes > 0 && transfer.range_was_refused()) {
-    ROOMWISE_RETURN_IF_ERROR(part.clear());
-    Transfer anew(url, part, expected, progress, options, {});
-    resumed = anew.run();
-  }
-  if (!resumed) return Unexpected(std::move(resumed).error());
+  ROOMWISE_TRY(const std::uint64_t resumed_from, complete(url, part, expected, progress, options));
   ROOMWISE_TRY(FetchedFile fetched, part.accept(expected, options.before_naming));
-  fetched.resumed_from = *resumed;
+  fetched.resumed_from = resumed_from;
   return fetched;
 }
 

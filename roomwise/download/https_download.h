@@ -26,8 +26,8 @@ struct DownloadOptions {
 // It is written to TARGET.part, checked, and only then gets its name; what is not as expected is
 // deleted. What a broken connection or Ctrl-C leaves stays in TARGET.part, and its ETag in
 // TARGET.part.etag: the next try goes on from there if the server still has the same file, and
-// begins anew otherwise. While somebody else fetches the same TARGET, it fails. Errors name the
-// address and what to do.
+// begins anew otherwise. What is all there by its digest only gets its name. While somebody else
+// fetches the same TARGET, it fails. Errors name the address and what to do.
 [[nodiscard]] Expected<FetchedFile> download(const std::string& url,
                                              const std::filesystem::path& target,
                                              const ExpectedFile& expected, Progress& progress,

@@ -219,6 +219,35 @@ TEST_F(DownloadTest, BeginsAnewWhereNothingIsLeftToFetch) {
   EXPECT_EQ(read_text_file(target_).value(), file_);
 }
 
+TEST_F(DownloadTest, WhatIsAllThereIsNotFetchedAgain) {
+  const TestServer server([&](const Request& request) { return serve(request, file_, "\"1\""); });
+  for (const bool knows_bytes : {true, false}) {
+    SCOPED_TRACE(knows_bytes);
+    if (!knows_bytes) expected_.bytes.reset();
+    std::filesystem::remove(target_);
+    options_.before_naming = [](const FetchedFile&) -> Expected<void> { return fail("no name"); };
+    EXPECT_ERROR(get(server), "no name");
+    options_.before_naming = {};
+    const std::size_t requests = server.requests().size();
+    const auto fetched = get(server);
+    ASSERT_OK(fetched);
+    EXPECT_EQ(fetched->resumed_from, 200'000u);
+    EXPECT_EQ(read_text_file(target_).value(), file_);
+    // Without the length the server has to be asked whether more is to come.
+    EXPECT_EQ(server.requests().size(), requests + (knows_bytes ? 0 : 1));
+  }
+}
+
+TEST_F(DownloadTest, WhatHasTheLengthAloneIsFetched) {
+  const TestServer server([&](const Request& request) { return serve(request, file_, "\"1\""); });
+  std::filesystem::create_directories(target_.parent_path());
+  ASSERT_OK(write_file(target_.string() + ".part", std::string(200'000, 'x')));
+  const auto fetched = get(server);
+  ASSERT_OK(fetched);
+  EXPECT_EQ(fetched->resumed_from, 0u);
+  EXPECT_EQ(read_text_file(target_).value(), file_);
+}
+
 TEST_F(DownloadTest, KeepsNothingWrong) {
   std::string wrong = file_;
   wrong[77'777] ^= 1;
