@@ -8,6 +8,8 @@
 #include <memory>
 #include <string_view>
 
+#include "roomwise/pipeline/stored/stored_edits.h"
+
 namespace roomwise::app {
 namespace {
 
@@ -81,7 +83,11 @@ Expected<home::Home> open_home_read_only(const std::filesystem::path& path,
 Expected<home::RecordingId> find_walk(const home::Home& home, const std::string& text) {
   ROOMWISE_TRY(const auto recordings, home.recordings());
   if (recordings.empty()) return fail("{}: holds no walk; use roomwise map first", home.file());
-  if (text.empty()) return recordings.back().id;
+  if (text.empty()) {
+    ROOMWISE_TRY(const auto staying, pipeline::walks_that_stay(home));
+    if (staying.empty()) return fail("{}: all its walks are taken away", home.file());
+    return staying.back().id;
+  }
   std::vector<std::string> names;
   std::vector<home::RecordingId> found;
   for (const home::StoredRecording& walk : recordings) {

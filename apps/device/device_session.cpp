@@ -139,6 +139,7 @@ void DeviceSession::lose(const std::string& why, TimestampNs now_ns) {
   std::cerr << why << '\n';
   connection_.reset();
   sees_places_ = false;
+  if (led_.by && asked_.contains(led_.by->id)) led_.is_unanswered = true;
   asked_.clear();  // no answers will come
   recording_.clear();
   is_teaching_ = false;  // the computer forgets what was shown
@@ -148,6 +149,7 @@ void DeviceSession::lose(const std::string& why, TimestampNs now_ns) {
   }
   // Who walks by the words of a computer that is gone hears it at once, over them.
   led_.again_from_ns = now_ns;
+  if (led_before_.by) led_before_.again_from_ns = now_ns;
   parts_.voice->withdraw_answers(now_ns);
   parts_.voice->notice("device.connection_lost_led", guide::Sound::kLost, now_ns);
 }
@@ -257,8 +259,10 @@ void DeviceSession::lead_again(TimestampNs now_ns) {
     return asked.second.question == service::Question::kInWords;
   });
   if (waits_for_words) return;
-  const service::Ask again = *std::exchange(led_, {}).by;
-  ask(again, now_ns);
+  const Led again = std::exchange(led_, {});
+  Led before = again.is_unanswered ? std::exchange(led_before_, {}) : Led{};
+  ask(*again.by, now_ns);
+  led_before_ = std::move(before);
 }
 
 void DeviceSession::take_recording(const service::RecordingState& recording, TimestampNs now_ns) {

@@ -87,6 +87,7 @@ class DeviceSession : private Interruption {
     std::optional<service::Ask> by = {};
     std::optional<TimestampNs> again_from_ns = {};  // is to be asked anew, since then
     bool is_paused = false;                         // they do not want to hear of it now
+    bool is_unanswered = false;  // when the connection was lost nobody had said whether it is known
   };
   Led led_;
   Led led_before_;            // holds again where the goal that was asked for last is not known

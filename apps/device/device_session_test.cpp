@@ -478,6 +478,27 @@ TEST_F(LedSessionTest, WhoAskedForWhatNobodyKnowsIsLedOnAsBefore) {
   EXPECT_EQ(home_.asks.back().subject, "bed");
 }
 
+TEST_F(LedSessionTest, WhoWaitsToHearWhetherAGoalIsKnownIsLedOnAsBeforeWhereItIsNot) {
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  type("g bed\n");
+  EXPECT_TRUE(speaker_->hears("To the bed."));
+  home_.is_slow = true;
+  type("g piano\n");
+  EXPECT_TRUE(home_.signal.wait([&] { return home_.asks.size() == 2; }));
+  server_->stop();
+  EXPECT_TRUE(speaker_->hears("Stop. The connection is lost."));
+  home_.is_slow = false;
+  start_server();
+  EXPECT_TRUE(speaker_->hears("Connected again."));
+  see_a_place();
+  EXPECT_TRUE(speaker_->hears("I know no piano."));
+  EXPECT_TRUE(home_.signal.wait([&] { return home_.asks.size() == 4; }));
+  type("x");
+  running.join();
+  EXPECT_EQ(home_.asks.back().subject, "bed");
+}
+
 TEST_F(LedSessionTest, IsNotLedOnWhoEndedItMeanwhile) {
   std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
   lose_the_server_and_find_it("e");

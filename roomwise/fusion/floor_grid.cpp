@@ -24,6 +24,7 @@ struct Column {
 
 // A single vertex may be a flaw of the map; what passes through a cell leaves several.
 constexpr int kFewestVertices = 2;
+constexpr int kFewestEmpty = 3;        // a reflection in a floor leaves less
 constexpr double kFloorBelow_m = 0.1;  // the map may sag by so much
 
 constexpr double kLow_m = 0.5;
@@ -36,7 +37,7 @@ int cells_between(double low_m, double high_m, double cell_m) {
 FloorCell state_of(const Column& column, const FloorGridOptions& options) {
   if (column.in_the_way >= kFewestVertices) return FloorCell::kOccupied;
   if (column.floor > 0) return FloorCell::kFree;
-  if (column.empty_below > 0) return FloorCell::kOccupied;
+  if (column.empty_below >= kFewestEmpty) return FloorCell::kOccupied;
   const auto is_seen = [&](int empty, double up_to_m) {
     return empty >= options.min_empty * cells_between(options.step_m, up_to_m, options.cell_m);
   };

@@ -487,8 +487,9 @@ StoreysFound find_storeys(const TriangleMesh& mesh_gravity, std::span<const Came
 
 double only_level_m(const StoreysFound& found) {
   if (found.floors_m.size() != 1) return 0;
+  constexpr double kHalfStorey_m = 1.2;  // higher than tables and counters
   const double floor_m = found.floors_m.front();
-  return std::abs(floor_m) > kMaxRise_m ? floor_m : 0;
+  return std::abs(floor_m) > kHalfStorey_m ? floor_m : 0;
 }
 
 }  // namespace roomwise::fusion

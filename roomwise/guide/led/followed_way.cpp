@@ -201,7 +201,7 @@ bool FollowedWay::is_at_goal(const Pose& pose) const {
     return to_end_m < kAtEnd_m ||
            std::ranges::all_of(map_.doorways, [&](const rooms::Doorway& doorway) {
              return !doorway.joins(*goal_.room) ||
-                    (doorway.middle_gravity - pose.position_gravity).norm() > kBeyondDoor_m;
+                    (doorway.place_in(*goal_.room) - pose.position_gravity).norm() > kBeyondDoor_m;
            });
   }
   // What stands on something is reached from where the way ends; a spot is stood on, and so is what

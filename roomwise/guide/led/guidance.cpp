@@ -191,7 +191,7 @@ bool Guidance::finds_way(const Pose& pose) {
   constexpr double kAgain_s = 5;
   if (seconds_between(planned_ns_, now_ns()) < kAgain_s) return false;
   plan_from(pose);
-  if (!way_.leads_over_floor()) return false;
+  if (!way_.leads_to_goal()) return false;
   state_ = State::kBeginning;
   said_.of_beginning = 0;
   return true;

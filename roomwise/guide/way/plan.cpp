@@ -116,7 +116,7 @@ class Planner {
     if (map_.room_at(place) != goal_.room) return std::nullopt;
     double from_door_m = options_.into_room_m;
     for (const rooms::Doorway& doorway : goal_doorways_) {
-      from_door_m = std::min(from_door_m, (place - doorway.middle_gravity).norm());
+      from_door_m = std::min(from_door_m, (place - doorway.place_in(*goal_.room)).norm());
     }
     if (!is_well_inside(map_, *goal_.room, place)) from_door_m = 0;
     constexpr double kShallow = 10;  // a metre less deep

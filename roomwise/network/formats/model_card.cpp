@@ -155,16 +155,6 @@ bool is_sha256_hex(std::string_view text) {
   return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == text.npos;
 }
 
-std::string preprocessing_text(const std::string& card) {
-  const Json all = Json::parse(card);
-  Json text = Json::object();
-  for (const char* field :
-       {"task", "input", "mean", "scale", "outputs", "first_label", "architecture"}) {
-    if (all.contains(field)) text[field] = all[field];
-  }
-  return text.dump();
-}
-
 }  // namespace
 
 bool finds_things(Task task) {
@@ -255,9 +245,7 @@ Expected<ModelCard> find_model_card(const std::filesystem::path& weights) {
   std::error_code ignored;
   if (std::filesystem::exists(beside, ignored)) {
     ROOMWISE_TRY(const std::string json, read_text_file(beside));
-    ROOMWISE_TRY(ModelCard card, ModelCard::parse(json, beside.string()));
-    card.own_preprocessing = preprocessing_text(json);
-    return with_name(std::move(card));
+    return ModelCard::parse(json, beside.string()).map(with_name);
   }
   for (const BuiltInText& card : built_in_cards()) {
     if (card.name == name) {

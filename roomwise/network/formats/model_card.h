@@ -91,12 +91,9 @@ struct ModelCard {
   Architecture architecture = Architecture::kOwn;
   std::string license;
   std::string source;
-  std::string sha256;               // of the weights file, small letters; empty: any file is taken
+  std::string sha256;               // of the weights file; empty: any file is taken
   std::optional<TextNetwork> text;  // of kMatchWords alone
   std::vector<std::string> notes;   // for people: how it was trained, how well it does
-  // Of a card that lies beside the weights: its fields that decide what the network is shown and
-  // what is taken from it, as JSON. Empty for the cards that Roomwise brings along.
-  std::string own_preprocessing;
 
   // Fails, naming `origin` (the card's file) and the field, on anything missing, unknown or out of
   // range.

@@ -96,7 +96,8 @@ Expected<PictureDataset> dataset_views(const home::Home& home, const DatasetOpti
   }
   if (!dataset.views.empty()) return dataset;
   return options.walk
-             ? fail("{}: no key-frame of that walk is on the map's largest piece", home.file())
+             ? fail("{}: no key-frame of that walk is on the map, or it is taken away",
+                    home.file())
              : fail("{}: the home has no map yet; make one with roomwise map", home.file());
 }
 

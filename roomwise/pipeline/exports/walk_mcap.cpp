@@ -118,7 +118,9 @@ Expected<WalkToWrite> walk_to_write(const home::Home& home, home::RecordingId id
   ROOMWISE_TRY(HomeContents contents, read_home_contents(home, run));
   const auto walk = std::ranges::find(contents.walks, id,
                                       [](const WalkContent& content) { return content.stored.id; });
-  if (walk == contents.walks.end()) return fail("{}: the home has no such walk", home.file());
+  if (walk == contents.walks.end()) {
+    return fail("{}: the home has no such walk, or it is taken away", home.file());
+  }
   const auto index = static_cast<std::size_t>(walk - contents.walks.begin());
   WalkToWrite one{home, std::move(contents), index, {}, {}, {}};
   std::ranges::copy_if(one.walk().keyframes, std::back_inserter(one.keyframes),

@@ -14,7 +14,7 @@ using nlohmann::json;
 
 const std::string kName = "floor";
 // To be raised where fusing, the frame or the grid come out otherwise than before.
-constexpr std::uint64_t kMethod = 3;
+constexpr std::uint64_t kMethod = 4;
 
 // All that the floor follows from: which key-frames the map has, and where they are. Their images
 // and cameras never change.

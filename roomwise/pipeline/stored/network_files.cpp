@@ -86,12 +86,6 @@ struct FileHere {
   fs::path path;
   std::string name;  // a detector is known by its file's
 
-  // With the card that it has now, it is what the home knows by this SHA-256, or fingerprint.
-  [[nodiscard]] bool is(const NeededNetwork& needed) {
-    if (sha256() == needed.sha256) return true;
-    const auto card = network::find_model_card(path);
-    return card && network::network_fingerprint(sha256(), *card) == needed.sha256;
-  }
   // Empty where the file cannot be read. Read once: it may be large.
   [[nodiscard]] const std::string& sha256() {
     if (!sha256_) {
@@ -123,7 +117,8 @@ void compare(NeededNetwork& needed, std::vector<FileHere>& here) {
   if (const auto* entry = published(needed)) needed.published_as = entry->name;
   std::ranges::stable_partition(here,
                                 [&](const FileHere& file) { return file.name == needed.name; });
-  auto found = std::ranges::find_if(here, [&](FileHere& file) { return file.is(needed); });
+  auto found =
+      std::ranges::find_if(here, [&](FileHere& file) { return file.sha256() == needed.sha256; });
   const bool is_right = found != here.end();
   if (!is_right) found = std::ranges::find(here, needed.name, &FileHere::name);
   if (found == here.end()) return;

@@ -93,7 +93,7 @@ Expected<std::optional<PrecisionCheck>> stored_precision_check(const home::Home&
   std::optional<PrecisionCheck> check;
   if (!may_be_in_eight_bits(file)) return check;
   ROOMWISE_TRY(const auto settings, home.settings());
-  const auto stored = settings.find(setting_of(file.sha256));
+  const auto stored = settings.find(setting_of(file.fingerprint));
   if (stored == settings.end()) return check;
   ROOMWISE_TRY(const std::string now, preprocessing_now(file));
   ROOMWISE_TRY(StoredCheck read, parse_check(stored->second, home.file() + ": " + stored->first));

@@ -190,7 +190,9 @@ Expected<SolvedMap> solve_stored_map(home::Home& home, const MapSettings& settin
 }
 
 Expected<void> forget_walk(home::Home& home, home::RecordingId walk) {
+  const auto in_map = [](const home::Keyframe& one) { return one.pose.component == 0; };
   return home.atomically([&]() -> Expected<void> {
+    ROOMWISE_TRY(const auto before, home.keyframes());
     ROOMWISE_RETURN_IF_ERROR(home.forget_learned_rooms());
     ROOMWISE_RETURN_IF_ERROR(take_edits_off(home, walk));
     ROOMWISE_RETURN_IF_ERROR(home.remove_recording(walk));
@@ -201,7 +203,10 @@ Expected<void> forget_walk(home::Home& home, home::RecordingId walk) {
     ROOMWISE_TRY(const mapping::PoseGraph graph, stored_pose_graph(home, settings->solver));
     std::size_t components = 0;
     auto component_of = mapping::components_by_size(keyframes.size(), graph.edges, components);
-    keep_map_first(component_of, keyframes);
+    // Where that walk was most of the map, another may be more of a home than what is left.
+    if (2 * std::ranges::count_if(keyframes, in_map) >= std::ranges::count_if(before, in_map)) {
+      keep_map_first(component_of, keyframes);
+    }
     // Each lies in the world of its first key-frame, also where that was another's before.
     std::map<home::KeyframeId, home::KeyframePose> poses;
     std::map<std::size_t, geometry::RigidTransform> first_from_world;

@@ -24,6 +24,7 @@ export class LedAgain {
   private asked: { id: number; question: Question } | null = null; // the newest that may lead
   private led = kNotLed;
   private before = kNotLed; // holds again where the goal that was asked for last is not known
+  private isUnanswered = false; // when the connection was lost nobody had said whether the goal is known
   private seesPlacesSince: number | null = null; // the computer
 
   get isLed(): boolean {
@@ -33,7 +34,8 @@ export class LedAgain {
   ask(id: number, question: Question): void {
     const asksToBeLed = question.question === 'take_me_to' || question.question === 'take_me_back';
     if (asksToBeLed) {
-      const waits = this.asked !== null && this.asked.question === this.led.by;
+      const waits = this.isUnanswered || (this.asked !== null && this.asked.question === this.led.by);
+      this.isUnanswered = false;
       const isAskedAnew = question === this.led.by; // of a computer that led nobody before
       this.before = waits ? this.before : isAskedAnew ? kNotLed : this.led;
       this.led = { ...kNotLed, by: question }; // until the answer says otherwise
@@ -78,7 +80,9 @@ export class LedAgain {
 
   // True where somebody is led, and must stop.
   lost(): boolean {
+    this.isUnanswered ||= this.asked !== null && this.asked.question === this.led.by;
     this.led = { ...this.led, isLost: true };
+    this.before = { ...this.before, isLost: true };
     this.asked = null; // no answer will come
     this.seesPlacesSince = null;
     return this.isLed;

@@ -136,6 +136,18 @@ test('who asks for what is not known is led on as before', () => {
   assert.equal(led.isLed, false, 'the computer that came back does not know it');
 });
 
+test('who waits to hear whether a goal is known is led on as before where it is not', () => {
+  const led = ledToTheBed();
+  const piano: Question = { question: 'take_me_to', thing: 'piano' };
+  led.ask(2, piano);
+  led.lost();
+  led.sees(true, 0);
+  assert.deepEqual(led.seen(true, 10), piano);
+  led.ask(3, piano);
+  led.heard({ key: 'where', message: 'where.unknown', answer_to: 3 });
+  assert.deepEqual(led.seen(true, 20), kBed);
+});
+
 test('a pause ends with the way', () => {
   const led = ledToTheBed();
   led.wish(kPause);
