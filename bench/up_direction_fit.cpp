@@ -167,10 +167,10 @@ UpMeasurementOptions with_own_delay(const Recording& recording, UpMeasurementOpt
 
 // Simulated and real recordings count as much, together. How far depth lags is each camera's own;
 // one that is not known is taken for the worst.
-UpMeasurementOptions fit(const std::vector<Recording>& recordings, const std::string& without) {
+UpMeasurementOptions fit(const std::vector<Recording>& recordings, const Recording* without) {
   std::array<double, 2> weight{};  // by whether it is simulated
   for (const Recording& one : recordings)
-    if (one.name != without) weight.at(one.is_simulated ? 1 : 0) += 1;
+    if (&one != without) weight.at(one.is_simulated ? 1 : 0) += 1;
   UpMeasurementOptions best;
   double least = std::numeric_limits<double>::infinity();
   for (const double normal : steps(0.01, 0.1)) {
@@ -180,7 +180,7 @@ UpMeasurementOptions fit(const std::vector<Recording>& recordings, const std::st
       options.systematic_sigma_rad = systematic;
       double sum = 0, delay_s = 0;
       for (const Recording& one : recordings) {
-        if (one.name == without) continue;
+        if (&one == without) continue;
         const UpMeasurementOptions own = with_own_delay(one, options);
         sum += surprise(one, own) / weight.at(one.is_simulated ? 1 : 0);
         delay_s = std::max(delay_s, own.delay_s);
@@ -220,7 +220,7 @@ Expected<void> run(int argc, char** argv) {
     }
     ROOMWISE_TRY(const auto views, views_of(folder, options));
     Recording& one = recordings.emplace_back();
-    one.name = folder.filename().string();
+    one.name = (folder / "").lexically_normal().parent_path().filename().string();
     one.is_simulated = std::filesystem::exists(folder / "floorplan.json");
     one.residuals = residuals_of(views);
     if (one.residuals.empty()) return fail("{}: no frame shows what is level", folder.string());
@@ -229,7 +229,7 @@ Expected<void> run(int argc, char** argv) {
   fmt::print("\n{:<28} {:>8} {:>9} {:>8} {:>8}   {}\n", "left out", "frames", "median", "1 sigma",
              "2 sigma", "fitted to the others: a normal, a picture, delay");
   for (const Recording& recording : recordings) {
-    const UpMeasurementOptions options = fit(recordings, recording.name);
+    const UpMeasurementOptions options = fit(recordings, &recording);
     std::vector<double> off_deg;
     for (const Residual& one : recording.residuals)
       off_deg.push_back(std::abs(one.off_rad) * 180 / std::numbers::pi);
@@ -240,7 +240,7 @@ Expected<void> run(int argc, char** argv) {
                within(recording, options, 1), within(recording, options, 2),
                with_own_delay(recording, options).delay_s, constants(options));
   }
-  fmt::print("{:<28} {:>49}{}\n", "fitted to all", "", constants(fit(recordings, "")));
+  fmt::print("{:<28} {:>49}{}\n", "fitted to all", "", constants(fit(recordings, nullptr)));
   return {};
 }
 

@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <numeric>
 
+#include "case_words.h"
 #include "commands.h"
 #include "laboratory/trials/instance_fitting.h"
 #include "open_home.h"
@@ -19,15 +20,17 @@ struct FitInstancesOptions {
 };
 
 Expected<trials::FittingCase> read_case(const std::string& text, const Context& context) {
-  const std::size_t comma = text.find(',');
-  if (comma == std::string::npos) {
+  const CaseWords words = split_case(text);
+  if (words.others.size() != 2 || words.sources.size() > 1) {
     return fail(
-        "--case {}: expected HOME,TRUTH; TRUTH is the folder of a simulated recording or "
-        "the file of what people labelled in a real one",
+        "--case {}: expected HOME,TRUTH or HOME,TRUTH,source=NAME; TRUTH is the folder of a "
+        "simulated recording or the file of what people labelled in a real one",
         text);
   }
-  ROOMWISE_TRY(const home::Home home, open_home_read_only(text.substr(0, comma), context));
-  return trials::fitting_case(home, {text.substr(comma + 1), {}});
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(words.others[0], context));
+  ROOMWISE_TRY(auto one, trials::fitting_case(home, {words.others[1], {}}));
+  if (!words.sources.empty()) one.source = *words.sources.begin();
+  return one;
 }
 
 std::string text_of(const evaluation::ObjectCounts& counts) {
@@ -48,6 +51,7 @@ Expected<void> write_evidence(const fs::path& path, std::span<const trials::Fitt
   for (const trials::FittingCase& one : cases) {
     for (std::size_t i = 0; i < one.candidate_truth.size(); ++i) {
       Json line{{"case", one.name},
+                {"source", one.source},
                 {"real", one.is_real},
                 {"class", one.weighed.candidates[i].class_name},
                 {"truth", kTruths.at(static_cast<std::size_t>(one.candidate_truth[i]))}};
@@ -60,8 +64,7 @@ Expected<void> write_evidence(const fs::path& path, std::span<const trials::Fitt
   return write_file(path, lines);
 }
 
-// What a model finds in a case whose recording was left out of its fit: with all cases of that
-// recording, such as homes that another detector looked at.
+// What a model finds in a case whose source was left out of its fit.
 struct LeftOut {
   const trials::FittingCase* of = nullptr;
   double min_probability = 0;
@@ -71,12 +74,8 @@ struct LeftOut {
 };
 Expected<LeftOut> leave_out(std::size_t held_out, std::span<const trials::FittingCase> cases,
                             const trials::FittingOptions& options) {
-  std::vector<const trials::FittingCase*> others;
   const trials::FittingCase& one = cases[held_out];
-  for (const trials::FittingCase& other : cases) {
-    if (other.name != one.name) others.push_back(&other);
-  }
-  ROOMWISE_TRY(const objects::InstanceModel model, fit_instances(others, options));
+  ROOMWISE_TRY(const objects::InstanceModel model, fit_without(one.source, cases, options));
   const double max_distance_m = options.max_distance_m;
   const auto jackknife = trials::with_jackknife_alone(model);
   return LeftOut{&one, model.min_probability, measure_case(one, model, max_distance_m),
@@ -164,6 +163,7 @@ Expected<Answer> fit(const FitInstancesOptions& options, Context& context) {
     ROOMWISE_TRY(left_out.emplace_back(), leave_out(i, cases, options.fitting));
     const LeftOut& one = left_out.back();
     answer.json["left_out"].push_back({{"case", one.of->name},
+                                       {"source", one.of->source},
                                        {"real", one.of->is_real},
                                        {"min_probability", one.min_probability},
                                        {"fitted", json_of(one.fitted.counts)},
@@ -191,12 +191,17 @@ void add_fit_instances_command(CLI::App& app, Context& context) {
   const auto [command, options] = add_command<FitInstancesOptions>(
       app, context, "fit-instances",
       "Fit the model that says which candidates are things and how surely their middles are known, "
-      "and measure it on each home left out",
+      "and measure it on each source left out",
       "roomwise-lab fit-instances --case office.home,tests/truth/office_walk.objects.json \\\n"
       "  --case flat.home,flat -o roomwise/objects/instances/instance_model.json\n"
-      "Two homes or more; the file is compiled in by the next build.",
+      "Two places or more; the file is compiled in by the next build.",
       fit);
-  command->add_option("--case", options.cases, "HOME,TRUTH; once for each home")->required();
+  command
+      ->add_option("--case", options.cases,
+                   "HOME,TRUTH or HOME,TRUTH,source=NAME; once for each home. Cases of one source "
+                   "share pictures and are left out together; default: the home of a simulated "
+                   "recording, the name of a real one")
+      ->required();
   command->add_option("-o,--output", options.output, "The model fitted on all; default: none");
   command->add_option("--evidence", options.evidence, "Write all candidates, a JSON object a line");
   add_setting(*command, "--weight-penalty", options.fitting.weight_penalty,

@@ -2,6 +2,7 @@
 #include <opencv2/core/utility.hpp>
 #include <vector>
 
+#include "case_words.h"
 #include "command_run.h"
 #include "commands.h"
 #include "laboratory/trials/localization_fitting.h"
@@ -18,29 +19,25 @@ struct FitLocalizerOptions {
   std::uint64_t every = 2;
 };
 
-std::vector<std::string> split_at_commas(const std::string& text) {
-  std::vector<std::string> parts(1);
-  for (const char c : text) {
-    if (c == ',') {
-      parts.emplace_back();
-    } else {
-      parts.back() += c;
-    }
-  }
-  return parts;
-}
-
 Expected<trials::PoseCase> read_case(const std::string& text, const FitLocalizerOptions& options,
                                      Context& context) {
-  const std::vector<std::string> parts = split_at_commas(text);
+  auto [parts, sources] = split_case(text);
   const auto has = [&](std::string_view word) { return std::ranges::count(parts, word) > 0; };
   if (parts.size() < 3) {
-    return fail("--case {}: expected HOME,TRUTH,VISIT and of real, elsewhere, phone what holds",
-                text);
+    return fail(
+        "--case {}: expected HOME,TRUTH,VISIT, of real, elsewhere, phone what holds, and "
+        "source=NAME",
+        text);
   }
   for (std::size_t i = 3; i < parts.size(); ++i) {
     if (parts[i] != "real" && parts[i] != "elsewhere" && parts[i] != "phone")
-      return fail("--case {}: '{}' is none of real, elsewhere, phone", text, parts[i]);
+      return fail("--case {}: '{}' is none of real, elsewhere, phone, source=NAME", text, parts[i]);
+  }
+  if (sources.empty()) {
+    for (const std::string& recording : {parts[1], parts[2]}) {
+      ROOMWISE_TRY(std::string place, trials::place_of(recording));
+      sources.insert(std::move(place));
+    }
   }
   ROOMWISE_TRY(const home::Home home, open_home_read_only(parts[0], context));
   CommandRun run(context);
@@ -53,14 +50,17 @@ Expected<trials::PoseCase> read_case(const std::string& text, const FitLocalizer
           {.every = options.every, .with_depth = false, .unknown_lens = has("phone")}, run));
   return trials::pose_case(
       fs::path(parts[2]).filename().string() + " on " + fs::path(parts[0]).filename().string(),
-      has("real"), has("elsewhere"), trials);
+      std::move(sources), has("real"), has("elsewhere"), trials);
 }
 
 Expected<void> write_evidence(const fs::path& path, const std::vector<trials::PoseCase>& cases) {
   std::string lines;
   for (const trials::PoseCase& one : cases) {
     for (std::size_t i = 0; i < one.evidence.size(); ++i) {
-      Json line{{"case", one.name}, {"real", one.is_real}, {"right", bool{one.is_right[i]}}};
+      Json line{{"case", one.name},
+                {"sources", one.sources},
+                {"real", one.is_real},
+                {"right", bool{one.is_right[i]}}};
       for (std::size_t e = 0; e < one.evidence[i].size(); ++e) {
         line[std::string(mapping::kPoseEvidenceNames.at(e))] = one.evidence[i][e];
       }
@@ -88,11 +88,9 @@ Expected<Answer> fit(const FitLocalizerOptions& options, Context& context) {
   answer.text =
       fmt::format("{:<44} {:>8}  {:^12}  {:^12}\n{:<44} {:>8}  {:>12}  {:>12}\n", "left out",
                   "pictures", "fitted", "40 inliers", "", "", "right wrong", "right wrong");
-  for (std::size_t left_out = 0; left_out < cases.size(); ++left_out) {
-    std::vector<trials::PoseCase> others = cases;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(left_out));
-    ROOMWISE_TRY(const mapping::PoseModel model, trials::fit_poses(others));
-    const trials::PoseCase& one = cases[left_out];
+  for (const trials::PoseCase& one : cases) {
+    ROOMWISE_TRY(const mapping::PoseModel model,
+                 trials::fit_poses(trials::of_other_sources(cases, one)));
     answer.text +=
         fmt::format("{:<44} {:>8}  {}  {}\n", one.name, one.pictures,
                     text_of(trials::counts_of(one, model)), text_of(trials::naive_counts(one)));
@@ -118,13 +116,18 @@ void add_fit_localizer_command(CLI::App& app, Context& context) {
       "Fit the model that says which poses of pictures without depth are right",
       "roomwise-lab fit-localizer --case flat.home,flat,flat-night \\\n"
       "  --case office.home,office,flat-night,elsewhere\n"
-      "Each case is left out of the fit that measures it. The numbers go into\n"
+      "Each case is left out, with all of its source, of the fit that measures it. The numbers go\n"
+      "into\n"
       "mapping::PoseModel::fitted().",
       fit);
   command
-      ->add_option("--case", options.cases,
-                   "HOME,TRUTH,VISIT; with ,real of real recordings, ,elsewhere where the visit is "
-                   "of another home, ,phone to be localised without calibration")
+      ->add_option(
+          "--case", options.cases,
+          "HOME,TRUTH,VISIT; with ,real of real recordings, ,elsewhere where the visit is "
+          "of another home, ,phone to be localised without calibration; ,source=NAME, also "
+          "twice: cases of one source share pictures and are left out together; default: "
+          "the places of TRUTH and VISIT, of simulated recordings their homes, of real "
+          "ones their names")
       ->required();
   command->add_option("--evidence", options.evidence, "Write all poses, a JSON object a line");
   add_setting(*command, "--every", options.every, "Ask about every N-th frame",

@@ -283,10 +283,10 @@ double rounded(double value, double parts = 1e4) {
 
 }  // namespace
 
-FittingCase fitting_case(std::string name, bool is_real,
+FittingCase fitting_case(const std::string& name, bool is_real,
                          std::vector<objects::ObservedKeyframe> keyframes,
                          std::vector<evaluation::TrueObject> truth) {
-  FittingCase result{std::move(name), is_real, std::move(keyframes), {}, std::move(truth), {}, {}};
+  FittingCase result{name, name, is_real, std::move(keyframes), {}, std::move(truth), {}, {}};
   result.weighed = weigh_candidates(result.keyframes, fit_ground_plane(result.keyframes), {});
   find_truth(result);
   return result;
@@ -300,8 +300,11 @@ Expected<FittingCase> fitting_case(const home::Home& home, const ObjectTruthFile
   }
   ROOMWISE_TRY(auto components, pipeline::observed_keyframes(home));
   if (!components.contains(0)) return fail("{}: no finder looked at its key-frames", home.file());
-  return fitting_case(truth.truth.stem().string(), !std::filesystem::is_directory(truth.truth),
-                      std::move(components.at(0)), std::move(there.things));
+  FittingCase result = fitting_case(std::filesystem::path(home.file()).stem().string(),
+                                    !std::filesystem::is_directory(truth.truth),
+                                    std::move(components.at(0)), std::move(there.things));
+  ROOMWISE_TRY(result.source, place_of(truth.truth));
+  return result;
 }
 
 Expected<objects::InstanceModel> fit_instances(std::span<const FittingCase* const> cases,
@@ -327,6 +330,17 @@ Expected<objects::InstanceModel> fit_instances(std::span<const FittingCase* cons
   model.min_probability = best_threshold(cases, model, options.max_distance_m);
   model.variance_weights = fit_variance(cases, options.degrees_of_freedom);
   return model;
+}
+
+Expected<objects::InstanceModel> fit_without(const std::string& source,
+                                             std::span<const FittingCase> cases,
+                                             const FittingOptions& options) {
+  std::vector<const FittingCase*> others;
+  for (const FittingCase& one : cases) {
+    if (one.source != source) others.push_back(&one);
+  }
+  if (others.empty()) return fail("all cases are of the source {}; give others, too", source);
+  return fit_instances(others, options);
 }
 
 CaseResult measure_case(const FittingCase& of, const objects::InstanceModel& model,
@@ -369,6 +383,7 @@ std::string to_json(const objects::InstanceModel& model, std::span<const Fitting
   Json variance = Json::object();
   for (const FittingCase& one : fitted_on) {
     cases.push_back({{"name", one.name},
+                     {"source", one.source},
                      {"real", one.is_real},
                      {"candidates", one.candidate_truth.size()},
                      {"things", std::ranges::count(one.candidate_truth, CandidateTruth::kThing)},

@@ -25,6 +25,7 @@ enum class CandidateTruth {
 // A home to learn from. Its candidates hang on no model and are weighed once.
 struct FittingCase {
   std::string name;
+  std::string source;  // cases of one source share pictures and are left out together
   bool is_real = false;
   std::vector<objects::ObservedKeyframe> keyframes;  // of the largest component
   objects::WeighedCandidates weighed;
@@ -32,11 +33,12 @@ struct FittingCase {
   std::vector<CandidateTruth> candidate_truth;
   std::vector<std::optional<std::size_t>> thing_of;  // of each candidate, which of the truth it is
 };
-// `truth` in the world of the key-frames.
-[[nodiscard]] FittingCase fitting_case(std::string name, bool is_real,
+// `truth` in the world of the key-frames. The case is its own source.
+[[nodiscard]] FittingCase fitting_case(const std::string& name, bool is_real,
                                        std::vector<objects::ObservedKeyframe> keyframes,
                                        std::vector<evaluation::TrueObject> truth);
-// Of a home; a real one where the truth is a file of what people marked.
+// Of a home, by its file's name; its source is the truth's place (place_of()). A real one where the
+// truth is a file of what people marked.
 [[nodiscard]] Expected<FittingCase> fitting_case(const home::Home& home,
                                                  const ObjectTruthFiles& truth);
 
@@ -58,6 +60,11 @@ struct FittingOptions {
 // where no candidate is a thing or none is nothing.
 [[nodiscard]] Expected<objects::InstanceModel> fit_instances(
     std::span<const FittingCase* const> cases, const FittingOptions& options);
+
+// On every case but those of a source. Fails where there is none.
+[[nodiscard]] Expected<objects::InstanceModel> fit_without(const std::string& source,
+                                                           std::span<const FittingCase> cases,
+                                                           const FittingOptions& options);
 
 // What a model finds in a case.
 struct CaseResult {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "laboratory/simulation/recording/simulation_file.h"
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/objects/testing/test_room.h"
 
@@ -79,6 +80,39 @@ TEST(FitInstances, FindsInAnotherRoomWhatItLearned) {
   for (std::size_t i = 0; i < objects::kVarianceNames.size(); ++i) {
     EXPECT_NEAR(read->variance_weights[i], model->variance_weights[i], 1e-6);
   }
+}
+
+TEST(FitInstances, LeavesOutAllCasesOfASource) {
+  const std::vector<evaluation::TrueObject> truth{there(kChair), there(kBed)};
+  std::vector<FittingCase> cases{room_case("a", true, 0, truth), room_case("b", true, 0.2, truth),
+                                 room_case("c", true, 0.4, {there(kChair)})};
+  cases[0].source = cases[1].source = "one recording";
+  const auto model = fit_without(cases[0].source, cases, {});
+  const auto of_the_third = fit_instances(std::vector<const FittingCase*>{&cases[2]}, {});
+  ASSERT_OK(model);
+  EXPECT_EQ(to_json(*model, cases, {}), to_json(*of_the_third, cases, {}));
+  const std::vector<const FittingCase*> two{&cases[1], &cases[2]};
+  EXPECT_NE(model->bias, fit_instances(two, {})->bias);
+  cases.pop_back();
+  EXPECT_ERROR(fit_without("one recording", cases, {}),
+               "all cases are of the source one recording");
+}
+
+TEST(PlaceOf, IsTheHomeOrTheRecording) {
+  const roomwise::testing::ScratchFolder folder;
+  for (const std::uint64_t seed : {101, 102}) {
+    for (const char* name : {"day", "evening"}) {
+      const auto walk = folder / std::to_string(seed) / name;
+      std::filesystem::create_directories(walk);
+      simulation::SimulationOptions made;
+      made.home.emplace().seed = seed;
+      ASSERT_OK(simulation::write_simulation(walk / "simulation.json", {made, ""}));
+      EXPECT_EQ(place_of(walk).value(), fmt::format("home {}", seed));
+    }
+  }
+  EXPECT_EQ(place_of(folder / "office_walk/").value(), "office_walk");
+  EXPECT_EQ(place_of("office_walk").value(), "office_walk");
+  EXPECT_EQ(place_of("truth/bedroom_a.objects.json").value(), "bedroom_a");
 }
 
 TEST(FitInstances, NeedsThingsAndWhatIsNone) {

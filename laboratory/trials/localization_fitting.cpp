@@ -22,28 +22,28 @@ struct PoseRows {
   Eigen::VectorXd is_right, weights;
 };
 
-PoseRows rows_of(const std::vector<const PoseCase*>& cases) {
+PoseRows rows_of(const std::vector<PoseCase>& cases) {
   std::array<double, 2> counts{};
-  for (const PoseCase* one : cases) {
-    counts.at(one->is_real) += static_cast<double>(one->evidence.size());
+  for (const PoseCase& one : cases) {
+    counts.at(one.is_real) += static_cast<double>(one.evidence.size());
   }
   const double all = counts[0] + counts[1];
   PoseRows rows{Eigen::MatrixXd(static_cast<Eigen::Index>(all), kNumbers),
                 Eigen::VectorXd(static_cast<Eigen::Index>(all)),
                 Eigen::VectorXd(static_cast<Eigen::Index>(all))};
   Eigen::Index row = 0;
-  for (const PoseCase* one : cases) {
-    for (std::size_t i = 0; i < one->evidence.size(); ++i, ++row) {
+  for (const PoseCase& one : cases) {
+    for (std::size_t i = 0; i < one.evidence.size(); ++i, ++row) {
       rows.evidence.row(row) =
-          Eigen::Map<const Eigen::RowVectorXd>(one->evidence[i].data(), kNumbers);
-      rows.is_right[row] = one->is_right[i] ? 1 : 0;
-      rows.weights[row] = 0.5 * all / counts.at(one->is_real);
+          Eigen::Map<const Eigen::RowVectorXd>(one.evidence[i].data(), kNumbers);
+      rows.is_right[row] = one.is_right[i] ? 1 : 0;
+      rows.weights[row] = 0.5 * all / counts.at(one.is_real);
     }
   }
   return rows;
 }
 
-mapping::PoseModel regression(const std::vector<const PoseCase*>& cases) {
+mapping::PoseModel regression(const std::vector<PoseCase>& cases) {
   const PoseRows rows = rows_of(cases);
   const double total = rows.weights.sum();
   const Eigen::RowVectorXd mean = rows.weights.transpose() * rows.evidence / total;
@@ -67,12 +67,9 @@ mapping::PoseModel regression(const std::vector<const PoseCase*>& cases) {
   return model;
 }
 
-std::vector<const PoseCase*> others_of(const std::vector<PoseCase>& cases, std::size_t left_out) {
-  std::vector<const PoseCase*> others;
-  for (std::size_t i = 0; i < cases.size(); ++i) {
-    if (i != left_out) others.push_back(&cases[i]);
-  }
-  return others;
+bool share_a_source(const PoseCase& a, const PoseCase& b) {
+  return std::ranges::any_of(a.sources,
+                             [&](const std::string& source) { return b.sources.contains(source); });
 }
 
 struct JudgedPose {
@@ -80,12 +77,11 @@ struct JudgedPose {
   bool is_right = false;
 };
 
-// Each by the model of the cases but its own, the most probable first.
+// Each by the model of the cases of other sources, the most probable first.
 std::vector<JudgedPose> judge_left_out(const std::vector<PoseCase>& cases) {
   std::vector<JudgedPose> poses;
-  for (std::size_t left_out = 0; left_out < cases.size(); ++left_out) {
-    const mapping::PoseModel model = regression(others_of(cases, left_out));
-    const PoseCase& own = cases[left_out];
+  for (const PoseCase& own : cases) {
+    const mapping::PoseModel model = regression(of_other_sources(cases, own));
     for (std::size_t i = 0; i < own.evidence.size(); ++i) {
       poses.push_back({model.probability(own.evidence[i]), own.is_right[i]});
     }
@@ -116,9 +112,9 @@ double lowest_threshold(const std::vector<JudgedPose>& poses, double max_wrong) 
 
 }  // namespace
 
-PoseCase pose_case(std::string name, bool is_real, bool elsewhere,
+PoseCase pose_case(std::string name, std::set<std::string> sources, bool is_real, bool elsewhere,
                    const std::vector<LocalizationTrial>& trials) {
-  PoseCase result{std::move(name), is_real, {}, {}, trials.size()};
+  PoseCase result{std::move(name), std::move(sources), is_real, {}, {}, trials.size()};
   for (const LocalizationTrial& trial : trials) {
     if (trial.answer.status <= mapping::LocalizationStatus::kNoMotion) continue;
     result.evidence.push_back(trial.answer.evidence());
@@ -148,6 +144,13 @@ PoseCounts naive_counts(const PoseCase& of) {
   return counts;
 }
 
+std::vector<PoseCase> of_other_sources(const std::vector<PoseCase>& cases, const PoseCase& one) {
+  std::vector<PoseCase> others;
+  std::ranges::remove_copy_if(cases, std::back_inserter(others),
+                              [&](const PoseCase& other) { return share_a_source(other, one); });
+  return others;
+}
+
 Expected<mapping::PoseModel> fit_poses(const std::vector<PoseCase>& cases) {
   std::size_t right = 0, all = 0;
   for (const PoseCase& one : cases) {
@@ -157,8 +160,12 @@ Expected<mapping::PoseModel> fit_poses(const std::vector<PoseCase>& cases) {
   if (right == 0 || right == all) {
     return fail("of {} poses {} are right; a fit needs right ones and wrong ones", all, right);
   }
-  if (cases.size() < 2) return fail("a fit needs two cases or more, to leave one out");
-  mapping::PoseModel model = regression(others_of(cases, cases.size()));
+  for (const PoseCase& one : cases) {
+    if (!of_other_sources(cases, one).empty()) continue;
+    return fail("{}: all cases share a source with it; a fit needs others, to leave it out",
+                one.name);
+  }
+  mapping::PoseModel model = regression(cases);
   model.min_probability = lowest_threshold(judge_left_out(cases), naive_share_of_wrong(cases));
   return model;
 }

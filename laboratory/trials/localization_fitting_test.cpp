@@ -11,8 +11,8 @@ namespace roomwise::trials {
 namespace {
 
 // Poses whose inliers are as many, right or wrong; only what they cover of the picture tells.
-PoseCase covering_case(std::string name, bool is_real, std::uint64_t seed) {
-  PoseCase result{std::move(name), is_real, {}, {}, 0};
+PoseCase covering_case(const std::string& name, bool is_real, std::uint64_t seed) {
+  PoseCase result{name, {name}, is_real, {}, {}, 0};
   RandomStream random(seed);
   for (int i = 0; i < 200; ++i) {
     const bool is_right = i % 4 != 0;
@@ -54,7 +54,29 @@ TEST(FitPoses, NeedsRightPosesAndWrongOnes) {
   PoseCase all_right = covering_case("a", true, 1);
   all_right.is_right.assign(all_right.is_right.size(), true);
   EXPECT_ERROR(fit_poses({all_right, all_right}), "right ones and wrong ones");
-  EXPECT_ERROR(fit_poses({covering_case("a", true, 1)}), "two cases");
+  EXPECT_ERROR(fit_poses({covering_case("a", true, 1)}), "a: all cases share a source with it");
+}
+
+TEST(FitPoses, LeavesOutAllCasesOfASource) {
+  // Two walks through a home, and one through another where all is seen smaller.
+  PoseCase evening = covering_case("evening", true, 1), night = covering_case("night", true, 2);
+  PoseCase other = covering_case("other", true, 3);
+  for (mapping::PoseEvidence& evidence : other.evidence) evidence[2] -= std::log(20);
+  for (PoseCase* one : {&evening, &night, &other}) {
+    for (mapping::PoseEvidence& evidence : one->evidence) evidence[0] = std::log(30);
+  }
+  const auto threshold = [&] { return fit_poses({evening, night, other})->min_probability; };
+  const double apart = threshold();
+  evening.sources = night.sources = {"home"};
+  EXPECT_NE(threshold(), apart) << "both walks are judged by the other home alone";
+  // Pictures of this home on another are of both.
+  PoseCase elsewhere = covering_case("elsewhere", true, 4);
+  elsewhere.sources = {"home", "other"};
+  const std::vector<PoseCase> all{evening, night, other, elsewhere};
+  ASSERT_EQ(of_other_sources(all, evening).size(), 1U);
+  EXPECT_EQ(of_other_sources(all, evening)[0].name, "other");
+  EXPECT_EQ(of_other_sources(all, other).size(), 2U);
+  EXPECT_TRUE(of_other_sources(all, elsewhere).empty());
 }
 
 TEST(PoseCase, NoPoseIsRightElsewhereAndPicturesWithoutAPoseCount) {
@@ -68,11 +90,11 @@ TEST(PoseCase, NoPoseIsRightElsewhereAndPicturesWithoutAPoseCount) {
   far.error_m = 2;
   turned.error_rad = 0.5;
   none.answer.status = mapping::LocalizationStatus::kNoMotion;
-  const PoseCase here = pose_case("a", false, false, {near, far, turned, none});
+  const PoseCase here = pose_case("a", {"a"}, false, false, {near, far, turned, none});
   EXPECT_EQ(here.pictures, 4U);
   EXPECT_EQ(here.is_right, (std::vector{true, false, false}));
   EXPECT_NEAR(here.evidence[0][0], std::log(20), 1e-12);
-  EXPECT_EQ(pose_case("a", false, true, {near, far}).is_right, (std::vector{false, false}));
+  EXPECT_EQ(pose_case("a", {"a"}, false, true, {near, far}).is_right, (std::vector{false, false}));
 }
 
 }  // namespace

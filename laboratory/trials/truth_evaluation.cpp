@@ -109,6 +109,18 @@ Expected<RecordedHome> recorded_home(const std::filesystem::path& recording,
   return RecordedHome{made.options, std::move(model), std::move(surfaces)};
 }
 
+Expected<std::string> place_of(const std::filesystem::path& truth) {
+  const std::filesystem::path made_of = truth / "simulation.json";
+  if (std::filesystem::exists(made_of)) {
+    ROOMWISE_TRY(const auto made, simulation::read_simulation(made_of));
+    return made.options.home ? fmt::format("home {}", made.options.home->seed) : "reference flat";
+  }
+  const auto path = (truth / "").lexically_normal().parent_path();  // one that ends in no slash
+  const std::string name = path.filename().string();
+  constexpr std::string_view kMarked = ".objects.json";
+  return name.ends_with(kMarked) ? name.substr(0, name.size() - kMarked.size()) : name;
+}
+
 Expected<evaluation::CloudError> evaluate_map(const home::Home& home,
                                               const std::filesystem::path& recording,
                                               const std::filesystem::path& furniture,

@@ -38,6 +38,11 @@ struct RecordedHome {
 [[nodiscard]] Expected<RecordedHome> recorded_home(const std::filesystem::path& recording,
                                                    const simulation::FurnitureCatalogue& catalogue);
 
+// The place that the truth of a recording is of, by which recordings that share pictures are known:
+// of a simulated one its home, whatever the time of day and what is moved; else the name of its
+// folder, or of the file of what people marked in it.
+[[nodiscard]] Expected<std::string> place_of(const std::filesystem::path& truth);
+
 // The key-frames whose true pose is known within 0.02 s, in the truth's frame. Fails where there
 // are none.
 [[nodiscard]] Expected<std::vector<home::Keyframe>> at_true_poses(
