@@ -144,6 +144,7 @@ TEST_F(StudyCommandTest, GivesTheSameTableHereAndUnderSlurmWhereATaskWasLost) {
   ASSERT_OK(write_file(folder_ / "dead", std::string_view("4\n")));
   const auto lost = study("slurm", {"--slurm", "--wait"});
   EXPECT_THAT(lost.output, HasSubstr("6 tasks: 5 done, 0 failed, 1 open")) << lost.errors;
+  EXPECT_EQ(lost.exit_code, 1) << "not all is done";
   std::filesystem::remove(folder_ / "dead");
   const auto again = study("slurm", {"--slurm", "--wait"});
   ASSERT_EQ(again.exit_code, 0) << again.errors;
@@ -153,6 +154,22 @@ TEST_F(StudyCommandTest, GivesTheSameTableHereAndUnderSlurmWhereATaskWasLost) {
       << "the one that was lost, and no other";
   EXPECT_EQ(table("slurm"), table("here"));
   EXPECT_THAT(read_text_file(folder_ / "slurm/results.csv").value(), HasSubstr(",n3 ("));
+}
+
+TEST_F(StudyCommandTest, WhatSlurmDoesNotTakeIsAnErrorAlsoWhereItIsWaitedFor) {
+  put_program("sbatch", "echo 'sbatch: error: invalid partition' >&2\nexit 1\n");
+  const auto refused = study("out", {"--slurm", "--wait"});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.errors, HasSubstr("invalid partition"));
+  // What is in the queue already is waited for.
+  put_program("sbatch", "echo 1\n");
+  ASSERT_EQ(study("out", {"--slurm"}).exit_code, 0) << "it is open, and is not waited for";
+  put_program("squeue", "[ -e seen ] && exit\ntouch seen\necho '1 1'\n");
+  put_program("sbatch", "touch handed\nexit 1\n");
+  const auto waited = study("out", {"--slurm", "--wait"});
+  EXPECT_THAT(waited.output, HasSubstr("6 tasks: 0 done, 0 failed, 6 open")) << waited.errors;
+  EXPECT_EQ(waited.exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "handed"));
 }
 
 TEST_F(StudyCommandTest, AFolderOfStudiesIsCarriedOutByOneCommandWithATableOfEach) {

@@ -93,6 +93,9 @@ TEST_F(SimulatedTruth, ThingsThatNobodyNamedAreMissed) {
     EXPECT_EQ(objects.at(way).at("false"), 0);
     EXPECT_EQ(objects.at(way).at("missed"), objects.at("instances").at("missed"));
   }
+  EXPECT_TRUE(objects.at("instances").at("from_middle_m").at("median").is_null())
+      << "what was not found is not without an error";
+  EXPECT_TRUE(objects.at("instances").at("within_one_sigma").is_null());
 }
 
 // The walk is too short to leave the hall, or to see much of its floor.
@@ -108,6 +111,7 @@ TEST_F(SimulatedTruth, TheRoomThatWasWalkedLiesOnTheFloor) {
       result_of({"eval", "layout", "--home", path("my.home"), "--truth", path("walk")});
   EXPECT_EQ(truth.at("doors"), 0) << "of doors between named rooms";
   EXPECT_EQ(truth.at("false_doorways"), 0);
+  EXPECT_TRUE(truth.at("door_error_median_m").is_null());
   EXPECT_GE(truth.at("floor_m2"), truth.at("right_floor_m2"));
 }
 

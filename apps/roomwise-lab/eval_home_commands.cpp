@@ -5,13 +5,13 @@
 
 #include "command_run.h"
 #include "commands.h"
+#include "figures.h"
 #include "laboratory/trials/object_report.h"
 #include "laboratory/trials/truth_evaluation.h"
 #include "open_home.h"
 #include "reliability_json.h"
 #include "render_options.h"
 #include "roomwise/base/file.h"
-#include "roomwise/evaluation/statistics/quantile.h"
 #include "roomwise/pipeline/rooms/home_layout.h"
 
 namespace roomwise::app {
@@ -42,10 +42,13 @@ Json to_json(const trials::FoundObjectErrors& result) {
   const evaluation::ObjectErrors& errors = result.errors;
   Json json = to_json(errors.all);
   json["without_place"] = result.without_place;
-  json["from_surface_m"] = {{"median", errors.from_box_quantile_m(0.5)},
-                            {"p90", errors.from_box_quantile_m(0.9)}};
-  json["from_middle_m"] = {{"median", errors.from_center_quantile_m(0.5)},
-                           {"p90", errors.from_center_quantile_m(0.9)}};
+  const auto of_matches = [&](double figure) {
+    return errors.matches.empty() ? Json(nullptr) : Json(figure);
+  };
+  json["from_surface_m"] = {{"median", of_matches(errors.from_box_quantile_m(0.5))},
+                            {"p90", of_matches(errors.from_box_quantile_m(0.9))}};
+  json["from_middle_m"] = {{"median", of_matches(errors.from_center_quantile_m(0.5))},
+                           {"p90", of_matches(errors.from_center_quantile_m(0.9))}};
   json["objects"] = Json::object();
   for (const auto& [kind, counts] : errors.by_kind) json["objects"][kind] = to_json(counts);
   return json;
@@ -78,6 +81,10 @@ std::string distances_of(const char* way, const trials::FoundObjectErrors& resul
     text += fmt::format("{}: found without a place {}\n", way, result.without_place);
   }
   return text;
+}
+
+Json json_of(const evaluation::Proportion& share) {
+  return share.n == 0 ? Json(nullptr) : Json(share.value());
 }
 
 // Everything about each pair and each thing that is left over.
@@ -128,8 +135,8 @@ Expected<Answer> evaluate_objects(const HomeEvaluationOptions& options, Context&
                  {"rules", to_json(result.by_rules)},
                  {"ours", to_json(result.instances.errors.all)},
                  {"paper", to_json(result.by_rules.errors.all)}};
-  answer.json["instances"]["within_one_sigma"] = result.coverage.one_sigma.value();
-  answer.json["instances"]["within_two_sigma"] = result.coverage.two_sigma.value();
+  answer.json["instances"]["within_one_sigma"] = json_of(result.coverage.one_sigma);
+  answer.json["instances"]["within_two_sigma"] = json_of(result.coverage.two_sigma);
   answer.json["instances"]["reliability"] = reliability_json(result.forecasts);
   answer.json["instances"]["pairs"] = details_of(result, result.instances);
   answer.json["naive"]["pairs"] = details_of(result, result.naive);
@@ -206,13 +213,16 @@ void add_stairs(const trials::LayoutEvaluation& result, Answer& answer) {
                                       one.width_m, one.heading_rad * 180 / std::numbers::pi,
                                       one.are_rails_right ? "right" : "wrong")
                                 : fmt::format("stairs of {} steps: not found\n", one.steps);
+    const auto of_found = [&](double figure) {
+      return one.is_found ? Json(figure) : Json(nullptr);
+    };
     stairs.push_back({{"found", one.is_found},
                       {"steps", one.steps},
                       {"found_steps", one.found_steps},
-                      {"foot_error_m", one.foot_m},
-                      {"top_error_m", one.top_m},
-                      {"width_error_m", one.width_m},
-                      {"heading_error_rad", one.heading_rad},
+                      {"foot_error_m", of_found(one.foot_m)},
+                      {"top_error_m", of_found(one.top_m)},
+                      {"width_error_m", of_found(one.width_m)},
+                      {"heading_error_rad", of_found(one.heading_rad)},
                       {"rails_right", one.are_rails_right}});
   }
   answer.json["storeys"] = result.storeys;
@@ -227,19 +237,19 @@ Expected<Answer> evaluate_layout(const HomeEvaluationOptions& options, Context& 
   CommandRun run(context);
   ROOMWISE_TRY(const trials::LayoutEvaluation result,
                trials::evaluate_layout(home, options.truth, run));
-  const double door_m = evaluation::quantile(result.door_errors_m, 0.5);
+  const std::optional<double> door_m = quantile_of(result.door_errors_m, 0.5);
   Answer answer{
       fmt::format("floor: {:.1f} m2 in rooms, {:.1f} m2 of it given to the right one\n"
-                  "doors: {} of {} found, median {:.2f} m off; {} doorways where no door is\n"
+                  "doors: {} of {} found, median {} m off; {} doorways where no door is\n"
                   "things: {} of {} lie in their room\n",
-                  result.floor_m2, result.right_floor_m2, result.found_doors, result.doors, door_m,
-                  result.false_doorways, result.right_things, result.things),
+                  result.floor_m2, result.right_floor_m2, result.found_doors, result.doors,
+                  text_or_none(door_m), result.false_doorways, result.right_things, result.things),
       {{"floor_m2", result.floor_m2},
        {"right_floor_m2", result.right_floor_m2},
        {"doors", result.doors},
        {"found_doors", result.found_doors},
        {"false_doorways", result.false_doorways},
-       {"door_error_median_m", door_m},
+       {"door_error_median_m", json_or_null(door_m)},
        {"things", result.things},
        {"right_things", result.right_things}}};
   if (result.storeys > 1 || result.found_storeys > 1) add_stairs(result, answer);

@@ -2,6 +2,7 @@
 #include <map>
 
 #include "commands.h"
+#include "figures.h"
 #include "laboratory/simulation/home/home_generator.h"
 #include "laboratory/simulation/home/home_geometry.h"
 #include "laboratory/simulation/home/scenario.h"
@@ -90,6 +91,10 @@ Json to_json(const GuidedWalk& walk) {
           {"blocked", walk.blocked}};
 }
 
+std::optional<double> degrees(const std::optional<double>& angle_rad) {
+  return angle_rad ? std::optional(*angle_rad / guide::kDegree_rad) : std::nullopt;
+}
+
 Json by_kind(const TrialSummary& summary) {
   Json json = Json::object();
   for (const auto& [kind, of_kind] : summary.by_kind) {
@@ -106,19 +111,19 @@ Json to_json(const TrialSummary& summary) {
           {"by_kind", by_kind(summary)},
           {"says_there_wrongly", summary.says_there_wrongly},
           {"spl", summary.spl},
-          {"path_over_shortest", summary.path_ratio},
-          {"path_over_shortest_deviation", summary.path_ratio_deviation},
+          {"path_over_shortest", json_or_null(summary.path_ratio)},
+          {"path_over_shortest_deviation", json_or_null(summary.path_ratio_deviation)},
           {"hindered", summary.hindered},
           {"without_way", summary.without_way},
           {"not_reachable", summary.not_reachable},
           {"over_stairs", summary.over_stairs},
           {"arrived_over_stairs", summary.arrived_over_stairs},
-          {"seconds", summary.mean_s},
+          {"seconds", json_or_null(summary.mean_s)},
           {"walked_m", summary.walked_m},
           {"contacts_per_walk", summary.contacts_per_walk},
           {"contacts", summary.contacts},
           {"contacts_by_prompt", summary.contacts_by_prompt},
-          {"prompts_per_m", summary.prompts_per_m},
+          {"prompts_per_m", json_or_null(summary.prompts_per_m)},
           {"turns_per_walk", summary.turns_per_walk},
           {"prompts", summary.prompts},
           {"late", summary.late},
@@ -126,16 +131,16 @@ Json to_json(const TrialSummary& summary) {
           {"expired", summary.expired},
           {"deviations_per_walk", summary.deviations_per_walk},
           {"lost_per_walk", summary.lost_per_walk},
-          {"median_to_goal_m", summary.median_to_goal_m},
+          {"median_to_goal_m", json_or_null(summary.median_to_goal_m)},
           {"broken_off", summary.broken_off},
           {"pictures", summary.pictures},
           {"placed_share", placed_share(summary)},
           {"position_error",
-           {{"median_m", summary.median_position_error_m},
-            {"p95_m", summary.p95_position_error_m},
+           {{"median_m", json_or_null(summary.median_position_error_m)},
+            {"p95_m", json_or_null(summary.p95_position_error_m)},
             {"beyond_1m", summary.beyond_1m},
-            {"median_heading_degrees", summary.median_heading_error_rad / guide::kDegree_rad},
-            {"p95_heading_degrees", summary.p95_heading_error_rad / guide::kDegree_rad}}}};
+            {"median_heading_degrees", json_or_null(degrees(summary.median_heading_error_rad))},
+            {"p95_heading_degrees", json_or_null(degrees(summary.p95_heading_error_rad))}}}};
 }
 
 // How a home is when it is walked.
@@ -196,21 +201,22 @@ std::string text_of(const TrialSummary& summary, const char* what) {
       "by goal         {}\n"
       "known           {} of the {} goals that the guide knows were arrived at; {} it does not "
       "know\n"
-      "path            {:.2f} of the shortest, standard deviation {:.2f}; {:.0f} s\n"
+      "path            {} of the shortest, standard deviation {}; {} s\n"
       "contacts        {:.2f} a walk; {} of {} by prompts\n"
-      "prompts         {:.2f} a metre; of {} {} late, {} wrong, {} never begun\n"
+      "prompts         {} a metre; of {} {} late, {} wrong, {} never begun\n"
       "off the way     {:.2f} a walk; lost {:.2f} a walk\n"
-      "places          {:.2f} of {} pictures; off by {:.2f} m (median), {:.2f} m (95 %), a metre "
+      "places          {:.2f} of {} pictures; off by {} m (median), {} m (95 %), a metre "
       "or "
       "more {} times\n"
       "{}\n",
       summary.arrived, summary.goals, summary.spl, summary.says_there_wrongly, hindered, kinds,
-      summary.arrived, summary.offered, summary.goals - summary.offered, summary.path_ratio,
-      summary.path_ratio_deviation, summary.mean_s, summary.contacts_per_walk,
-      summary.contacts_by_prompt, summary.contacts, summary.prompts_per_m, summary.prompts,
-      summary.late, summary.wrong, summary.expired, summary.deviations_per_walk,
-      summary.lost_per_walk, placed_share(summary), summary.pictures,
-      summary.median_position_error_m, summary.p95_position_error_m, summary.beyond_1m, what);
+      summary.arrived, summary.offered, summary.goals - summary.offered,
+      text_or_none(summary.path_ratio), text_or_none(summary.path_ratio_deviation),
+      text_or_none(summary.mean_s, 0), summary.contacts_per_walk, summary.contacts_by_prompt,
+      summary.contacts, text_or_none(summary.prompts_per_m), summary.prompts, summary.late,
+      summary.wrong, summary.expired, summary.deviations_per_walk, summary.lost_per_walk,
+      placed_share(summary), summary.pictures, text_or_none(summary.median_position_error_m),
+      text_or_none(summary.p95_position_error_m), summary.beyond_1m, what);
 }
 
 // What is led through, and over what map.
@@ -323,9 +329,10 @@ void add_setting_of_positions(const GuidanceOptions& options, const trials::Tria
 
 Expected<Answer> run(const GuidanceOptions& options, Context& context) {
   ROOMWISE_TRY(const Times times, parse_times(options.scenario));
-  ROOMWISE_TRY(const trials::TrialOptions trial, complete(options, times.scenario, context.seed));
+  ROOMWISE_TRY(trials::TrialOptions trial, complete(options, times.scenario, context.seed));
   ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(options.furniture));
   ROOMWISE_TRY(const Ground ground, ground_of(options, catalogue));
+  trial.home_seed = ground.home_seed;
   ROOMWISE_TRY(const trials::GuidedMap map,
                trials::map_truth(ground.by_day, catalogue.models(), context.seed));
   const auto home = std::make_shared<const trials::WalkedHome>(

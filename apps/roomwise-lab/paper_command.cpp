@@ -8,6 +8,7 @@
 #include "laboratory/studies/paper_study.h"
 #include "networks.h"
 #include "roomwise/base/file.h"
+#include "this_program.h"
 
 namespace roomwise::app {
 namespace {
@@ -134,6 +135,7 @@ Expected<Answer> run(const PaperOptions& given, Context& context) {
   }
   ROOMWISE_RETURN_IF_ERROR(study.validate());
   ROOMWISE_RETURN_IF_ERROR(check_can_write(options.output));
+  ROOMWISE_TRY(study.version, version_of_programs());
   study.first_seed = context.seed;
   ROOMWISE_TRY(study.networks, usable_networks());
   study.trained = trained_network();

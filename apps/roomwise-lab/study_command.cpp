@@ -10,6 +10,7 @@
 #include "laboratory/studies/study_slurm.h"
 #include "laboratory/studies/study_table.h"
 #include "roomwise/base/file.h"
+#include "this_program.h"
 
 namespace roomwise::app {
 namespace {
@@ -39,26 +40,6 @@ struct StudyTableOptions {
   std::vector<fs::path> folders;
   fs::path output;
 };
-
-Expected<fs::path> this_program() {
-  std::error_code error;
-  fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (error) return fail("this program's own file is not known: {}", error.message());
-  return program;
-}
-
-// The release and the bytes of the programs: one that was built anew may measure something else.
-Expected<std::string> version_of_programs() {
-  ROOMWISE_TRY(const fs::path own, this_program());
-  std::string digests;
-  for (const fs::path& program : {own.parent_path() / "roomwise", own}) {
-    ROOMWISE_TRY(const Bytes bytes, read_file(program));
-    digests += sha256_hex(bytes);
-  }
-  const std::span bytes(reinterpret_cast<const std::uint8_t*>(digests.data()), digests.size());
-  constexpr std::size_t kShown = 12;
-  return fmt::format("{} ({})", ROOMWISE_VERSION, sha256_hex(bytes).substr(0, kShown));
-}
 
 Json to_json(const studies::StudyCount& count) {
   return {
@@ -113,14 +94,6 @@ Expected<std::vector<studies::StudyStore>> open_studies(const StudyOptions& opti
   return stores;
 }
 
-Expected<void> forget_failed(const studies::StudyStore& store) {
-  ROOMWISE_TRY(const auto results, store.results());
-  for (const studies::TaskResult& result : results) {
-    if (!result.is_good) ROOMWISE_RETURN_IF_ERROR(store.forget(result.id));
-  }
-  return {};
-}
-
 Expected<studies::StudyCount> run_under_slurm(const studies::StudyStore& store,
                                               const StudyOptions& options, Context& context,
                                               Answer& answer) {
@@ -128,13 +101,17 @@ Expected<studies::StudyCount> run_under_slurm(const studies::StudyStore& store,
   ROOMWISE_TRY(const fs::path program, this_program());
   slurm.program = program.string();
   slurm.options = options.sbatch;
+  slurm.retry = options.retry;
   slurm.look_every_s = options.look_every_s;
-  const auto jobs = studies::submit(store, slurm, context.progress);
-  // What is in the queue already is waited for.
-  if (!jobs && !options.wait) return Unexpected(jobs.error());
-  if (jobs && !jobs->empty()) {
-    answer.text += fmt::format("handed to Slurm as job {}\n", fmt::join(*jobs, ", "));
-    for (const auto& job : *jobs) answer.json["jobs"].push_back(job);
+  std::vector<std::string> waiting;
+  if (options.wait) {
+    ROOMWISE_TRY(waiting, studies::jobs_in_queue(store, context.progress));
+  }
+  if (waiting.empty()) {
+    ROOMWISE_TRY(const auto jobs, studies::submit(store, slurm, context.progress));
+    if (!jobs.empty())
+      answer.text += fmt::format("handed to Slurm as job {}\n", fmt::join(jobs, ", "));
+    for (const auto& job : jobs) answer.json["jobs"].push_back(job);
   }
   if (options.wait)
     ROOMWISE_RETURN_IF_ERROR(studies::wait_for_jobs(store, slurm, context.progress));
@@ -144,7 +121,7 @@ Expected<studies::StudyCount> run_under_slurm(const studies::StudyStore& store,
 
 Expected<studies::StudyCount> run_one(const studies::StudyStore& store, const StudyOptions& options,
                                       Context& context, Answer& answer) {
-  if (options.retry) ROOMWISE_RETURN_IF_ERROR(forget_failed(store));
+  if (options.retry && !options.slurm) ROOMWISE_RETURN_IF_ERROR(store.forget_failed());
   auto count = options.slurm ? run_under_slurm(store, options, context, answer)
                              : studies::run_here(store, options.workers,
                                                  studies::roomwise_beside(context.progress),
@@ -175,7 +152,9 @@ Expected<Answer> run_study(const StudyOptions& options, Context& context) {
   if (!options.table.empty()) ROOMWISE_RETURN_IF_ERROR(write_file(options.table, page));
   answer.text += page + fmt::format("\n{} tasks: {} done, {} failed, {} open; in {}\n", all.tasks,
                                     all.done, all.failed, all.open, options.output.string());
-  answer.is_good = all.failed == 0;
+  // What was handed to Slurm, and is not waited for, is open.
+  const bool may_be_open = options.slurm && !options.wait;
+  answer.is_good = all.failed == 0 && (all.open == 0 || may_be_open);
   return answer;
 }
 

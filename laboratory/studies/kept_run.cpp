@@ -56,23 +56,30 @@ RunProgram roomwise_beside(const Interruption& interruption) {
   };
 }
 
-Expected<std::optional<json>> kept_result(const Words& words, const fs::path& file) {
+Expected<std::optional<json>> kept_result(const ProgramRun& run, const fs::path& file) {
   if (!fs::exists(file)) return std::optional<json>();
   ROOMWISE_TRY(const std::string text, read_text_file(file));
   json made = json::parse(text, nullptr, false);
-  const std::string by = made.is_object() ? made.value("command", "") : "";
-  if (by == command_of(words)) return std::optional(std::move(made));
-  return fail("{} was made by another command, '{}'; remove it to have it made anew", file.string(),
-              by);
+  const auto text_in = [&](const char* key) {
+    return made.is_object() ? made.value(key, std::string()) : std::string();
+  };
+  if (text_in("command") != command_of(run.words)) {
+    return fail("{} was made by another command, '{}'; remove it to have it made anew",
+                file.string(), text_in("command"));
+  }
+  if (text_in("made_with") == run.made_with) return std::optional(std::move(made));
+  return fail("{} was made with '{}', not with '{}'; remove it to have it made anew", file.string(),
+              text_in("made_with"), run.made_with);
 }
 
 Expected<json> run_kept(const ProgramRun& run, const fs::path& file, const RunProgram& program) {
-  ROOMWISE_TRY(auto kept, kept_result(run.words, file));
+  ROOMWISE_TRY(auto kept, kept_result(run, file));
   if (kept) return std::move(*kept);
   ROOMWISE_TRY(const std::string printed, program(run));
   json made = json::parse(printed, nullptr, false);
   if (!made.is_object()) return fail("{} {} printed no JSON", run.program, run.words.front());
   made["command"] = command_of(run.words);
+  if (!run.made_with.empty()) made["made_with"] = run.made_with;
   ROOMWISE_RETURN_IF_ERROR(write_file(file, made.dump()));
   return made;
 }

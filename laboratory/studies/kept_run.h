@@ -23,6 +23,7 @@ struct ProgramRun {
   // Is told the last line of the log now and then; empty: nobody.
   std::function<void(const std::string& line)> heard;
   std::string program = "roomwise";  // or another that lies beside this one
+  std::string made_with = {};        // what else decides the result: the program's version
 };
 
 // Runs the program to its end and gives its standard output. Fails, with the program's own reason
@@ -33,13 +34,14 @@ using RunProgram = std::function<Expected<std::string>(const ProgramRun&)>;
 // it never outlives this process.
 [[nodiscard]] RunProgram roomwise_beside(const Interruption& interruption);
 
-// What a run with these words printed, where `file` keeps it. Fails where the file keeps something
-// else, such as the result of other words.
+// What the run printed, where `file` keeps it. Fails where the file keeps something else, such as
+// the result of other words or of what was made with something else.
 [[nodiscard]] Expected<std::optional<nlohmann::json>> kept_result(
-    const Words& words, const std::filesystem::path& file);
+    const ProgramRun& run, const std::filesystem::path& file);
 
 // What the run prints with --json, kept in `file`, which is there only when all is done; with the
-// words as "command". A run that is kept is not run again.
+// words as "command", and with "made_with" where that says something. A run that is kept is not run
+// again.
 [[nodiscard]] Expected<nlohmann::json> run_kept(const ProgramRun& run,
                                                 const std::filesystem::path& file,
                                                 const RunProgram& program);

@@ -39,10 +39,23 @@ TEST(KeptRun, IsOfItsWordsAlone) {
   const std::string file = folder / "map.json";
   Counted counted;
   ASSERT_OK(run_kept({{"map", "walk"}, {"--threads", "1"}, {}, {}}, file, counted.program()));
-  EXPECT_OK(kept_result({"map", "walk"}, file)) << "what changes no result does not count";
+  EXPECT_OK(kept_result({{"map", "walk"}, {}, {}, {}}, file))
+      << "what changes no result does not count";
   EXPECT_ERROR(run_kept({{"map", "other"}, {}, {}, {}}, file, counted.program()),
                "made by another command, 'map walk'");
   EXPECT_EQ(counted.runs, 1);
+}
+
+TEST(KeptRun, IsOfWhatItWasMadeWith) {
+  const ScratchFolder folder;
+  Counted counted;
+  ProgramRun run{{"map", "walk"}, {}, {}, {}};
+  run.made_with = "1 (ab)";
+  ASSERT_OK(run_kept(run, folder / "map.json", counted.program()));
+  EXPECT_EQ(kept_result(run, folder / "map.json").value()->at("made_with"), "1 (ab)");
+  run.made_with = "1 (cd)";
+  EXPECT_ERROR(run_kept(run, folder / "map.json", counted.program()),
+               "was made with '1 (ab)', not with '1 (cd)'");
 }
 
 TEST(KeptRun, KeepsNothingOfARunThatFailed) {
@@ -54,7 +67,7 @@ TEST(KeptRun, KeepsNothingOfARunThatFailed) {
   EXPECT_ERROR(run_kept({{"map"}, {}, {}, {}}, file, babbles), "printed no JSON");
   EXPECT_FALSE(std::filesystem::exists(file));
   ASSERT_OK(write_file(file, std::string_view("half")));
-  EXPECT_ERROR(kept_result({"map"}, file), "made by another command");
+  EXPECT_ERROR(kept_result({{"map"}, {}, {}, {}}, file), "made by another command");
 }
 
 }  // namespace

@@ -43,6 +43,11 @@ std::vector<fs::path> home_files(const fs::path& home) {
   return files;
 }
 
+std::string digest_of(const json& result) {
+  const std::string text = result.dump();
+  return sha256_hex({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
 // A recording to map: a real one, or a walk through the simulated flat.
 struct Walk {
   MeasuredData data;
@@ -137,17 +142,20 @@ class Plan {
       return Unexpected(outcomes_.at(step.after).error());
     }
     const fs::path file = in_work(step.name + ".json");
+    ProgramRun run{step.words, options_.more, in_work(step.name + ".log"), heard};
+    run.made_with = options_.version;
+    if (!step.after.empty()) run.made_with += " after " + digest_of(*outcomes_.at(step.after));
     std::error_code ignored;
-    const auto kept = kept_result(step.words, file);
+    const auto kept = kept_result(run, file);
     const bool is_made =
         std::ranges::all_of(step.made, [](const fs::path& made) { return fs::exists(made); });
-    if (kept && *kept && is_made) return json(**kept);
-    // What is there is of other words, or half done.
+    if (kept && *kept && is_made && !run_now_.contains(step.after)) return json(**kept);
+    // What is there is of other words, of what is made anew, or half done.
+    run_now_.insert(step.name);
     fs::remove(file, ignored);
     for (const auto* paths : {&step.made, &step.cleared}) {
       for (const fs::path& path : *paths) fs::remove_all(path, ignored);
     }
-    const ProgramRun run{step.words, options_.more, in_work(step.name + ".log"), heard};
     auto made = run_kept(run, file, program);
     if (!made) return made;
     for (const fs::path& path : step.removed) fs::remove_all(path, ignored);
@@ -159,6 +167,7 @@ class Plan {
   std::vector<const PaperRecording*> missing_;
   std::vector<Step> steps_;
   std::set<std::string> names_;
+  std::set<std::string> run_now_;  // steps that were not kept
   std::map<std::string, Expected<json>> outcomes_;
 };
 

@@ -17,6 +17,7 @@ struct PaperStudyOptions {
                                PaperPart::kTraining};
   std::uint64_t first_seed = 1;
   int seeds = 1;                                 // maps of each recording, method, feature
+  std::string version;                           // of the program; what another made is made anew
   std::vector<std::filesystem::path> networks;   // that look at whole pictures; may be none
   std::optional<std::filesystem::path> trained;  // network that the training begins with
   Words more;                                    // of every run: what changes no result
@@ -25,7 +26,8 @@ struct PaperStudyOptions {
   [[nodiscard]] Expected<void> validate() const;
 };
 
-// Makes what the tables need by runs of `program`, each kept in the work folder. A run that fails
+// Makes what the tables need by runs of `program`, each kept in the work folder as long as what it
+// was made of is the same. A run that fails
 // is told as missing, with its reason, and the rest goes on; it is tried again the next time.
 // Fails only where the options are wrong, the work folder cannot be written to, or it is
 // interrupted: the same call goes on from there.

@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::Contains;
 using ::testing::Each;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -72,11 +73,12 @@ class MadeUpProgram {
     if (!folder.empty()) fs::create_directories(folder);
   }
 
-  static json answer(const Words& words) {
+  [[nodiscard]] json answer(const Words& words) const {
     if (words[0] == "map") {
       // By its features, so that rows can be told apart.
       const double frames = value_after(words, "--features") == "orb" ? 4 : 10;
-      return {{"frames", frames},
+      return {{"run", commands.size()},  // no two take as long
+              {"frames", frames},
               {"placed", frames},
               {"cpu_s", 0.2},
               {"stages", {{"features", {{"cpu_s", 0.05}}}, {"optimisation", {{"cpu_s", 0.01}}}}}};
@@ -237,10 +239,39 @@ TEST_F(PaperStudyTest, MakesAHomeAnewThatIsGone) {
   study();
   const std::size_t before = made_up_.commands.size();
   fs::remove(options_.work / "homes/flat-day.home");
+  const auto again = [&] {
+    return std::vector(made_up_.commands.begin() + static_cast<std::ptrdiff_t>(before),
+                       made_up_.commands.end());
+  };
+  // Interrupted in between, the next call knows that what was learned is of the home that is gone.
+  made_up_.interrupted_after = before + 1;
+  SilentProgress silent;
+  EXPECT_ERROR(study_paper(options_, made_up_.program(), silent), "interrupted");
+  made_up_.interrupted_after = 1000;
   study();
-  EXPECT_THAT(std::vector(made_up_.commands.begin() + static_cast<std::ptrdiff_t>(before),
-                          made_up_.commands.end()),
-              Contains("map"));
+  EXPECT_THAT(again(), ElementsAre("map", "rooms", "rooms", "rooms"));
+}
+
+TEST_F(PaperStudyTest, MakesAllAnewThatStandsOnWhatIsMadeAnew) {
+  options_.parts = {PaperPart::kRooms};
+  study();
+  const std::size_t all = made_up_.commands.size();
+  fs::remove_all(options_.work / "flat/day");
+  study();
+  EXPECT_EQ(made_up_.commands.size(), all + 5)
+      << "walk, map, learn, two trials, though the walk's result is the same";
+}
+
+TEST_F(PaperStudyTest, MakesAnewWhatAnotherVersionMade) {
+  options_.parts = {PaperPart::kRooms};
+  options_.version = "1 (ab)";
+  study();
+  const std::size_t all = made_up_.commands.size();
+  study();
+  EXPECT_EQ(made_up_.commands.size(), all);
+  options_.version = "1 (cd)";
+  study();
+  EXPECT_EQ(made_up_.commands.size(), 2 * all);
 }
 
 TEST_F(PaperStudyTest, TellsWhatFailedAndMakesTheRest) {

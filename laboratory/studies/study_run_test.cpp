@@ -91,6 +91,23 @@ TEST_F(StudyRun, WhatLiesBesideTheStudysFileIsFoundFromIt) {
   EXPECT_EQ(words, (folder_ / "a.txt").string());
 }
 
+TEST_F(StudyRun, ResultsOfOtherDataAreNotTakenForThese) {
+  write_study(kStudy, "\"{home}\"", "\"{data}/{home}\"");
+  const auto create = [&](const std::string& data) {
+    std::filesystem::create_directories(folder_ / data);
+    return StudyStore::create(folder_ / "out", folder_ / "s.toml", folder_ / data, "1");
+  };
+  ASSERT_OK(create("walks"));
+  EXPECT_OK(create("other")) << "there is no result yet";
+  ASSERT_OK(run_here(create("walks").value(), 1, program(), progress_));
+  EXPECT_OK(create("walks/"));
+  EXPECT_ERROR(create("other"), "holds results of {data} in");
+  EXPECT_EQ(create("walks")->results()->size(), 6u) << "and nothing was written";
+  // What no command names is not of the results.
+  write_study(kStudy, "\"sums\"", "\"sums\"");
+  EXPECT_OK(create("other"));
+}
+
 TEST_F(StudyRun, WhatIsSaidAboutAStudyStandsAboveItsTable) {
   write_study(kStudy, "name = \"sums\"", "name = \"sums\"\nabout = \"Of two homes.\"");
   EXPECT_THAT(table(store()), StartsWith("Of two homes.\n\n| home |"));
@@ -145,6 +162,15 @@ TEST_F(StudyRun, ATaskThatFailsIsToldAndTheOthersGoOn) {
     ASSERT_OK(store().forget(result.id));
   }
   EXPECT_EQ(run_here(store(), 2, program(), progress_)->done, 6u);
+}
+
+TEST_F(StudyRun, AFigureThatFewerTasksHaveSaysOfHowMany) {
+  const RunProgram program = [](const ProgramRun& run) -> Expected<std::string> {
+    const std::string& seed = run.words.back();
+    return fmt::format(R"({{"error": {}}})", seed == "2" ? "null" : seed);
+  };
+  EXPECT_EQ(run_here(store(), 1, program, progress_)->done, 6u);
+  EXPECT_THAT(table(store()), HasSubstr("| a | 3 of 3 | 2 (1 – 3) (of 2) |\n"));
 }
 
 TEST_F(StudyRun, AFigureThatWasNotPrintedFailsTheTask) {

@@ -73,9 +73,11 @@ Expected<std::vector<std::string>> jobs_of(const StudyStore& store) {
   return lines_of(text);
 }
 
-// Those of the study's jobs that wait or run. Slurm knows a job that ended for some minutes more,
-// and then not at all, which it says by failing: a controller that is not there is told from that
-// by a question that always has an answer.
+}  // namespace
+
+// Slurm knows a job that ended for some minutes more, and then not at all, which it says by
+// failing: a controller that is not there is told from that by a question that always has an
+// answer.
 Expected<std::vector<std::string>> jobs_in_queue(const StudyStore& store,
                                                  const Interruption& interruption) {
   ROOMWISE_TRY(const auto jobs, jobs_of(store));
@@ -97,8 +99,6 @@ Expected<std::vector<std::string>> jobs_in_queue(const StudyStore& store,
   return there;
 }
 
-}  // namespace
-
 Expected<std::vector<std::string>> submit(const StudyStore& store, const SlurmOptions& options,
                                           const Interruption& interruption) {
   ROOMWISE_TRY(const auto waiting, jobs_in_queue(store, interruption));
@@ -107,6 +107,8 @@ Expected<std::vector<std::string>> submit(const StudyStore& store, const SlurmOp
         "{}: its job {} is in Slurm's queue still; wait for it by --wait, or end it: scancel {}",
         store.folder().string(), fmt::join(waiting, ", "), fmt::join(waiting, " "));
   }
+  // Not before: a job in the queue would do them once more.
+  if (options.retry) ROOMWISE_RETURN_IF_ERROR(store.forget_failed());
   ROOMWISE_TRY(const std::vector<StudyTask> open, store.open_tasks());
   const fs::path folder = store.folder() / "slurm";
   std::error_code error;

@@ -12,7 +12,12 @@ struct SlurmOptions {
   std::string program;               // roomwise-lab, as the nodes find it
   std::vector<std::string> options;  // for sbatch: "--partition=long"
   double look_every_s = 5;           // for the end of the jobs
+  bool retry = false;                // the tasks that failed, too
 };
+
+// Those of the study's jobs that wait or run.
+[[nodiscard]] Expected<std::vector<std::string>> jobs_in_queue(const StudyStore& store,
+                                                               const Interruption& interruption);
 
 // Hands all open tasks to Slurm as job arrays of at most 1,000 (its usual MaxArraySize), each task
 // an element that is put into the queue again where its node fails. Gives the jobs' numbers; none

@@ -83,6 +83,21 @@ TEST_F(StudySlurm, DoesNotHandOverWhatIsInTheQueueStill) {
   EXPECT_THAT(submit(made, options_, progress_).value(), ElementsAre("8"));
 }
 
+TEST_F(StudySlurm, WhatFailedIsForgottenOnlyWhereItIsHandedOverAgain) {
+  const StudyStore made = store();
+  ASSERT_OK(submit(made, options_, progress_));
+  const auto fails = [](const ProgramRun&) -> Expected<std::string> { return fail("no"); };
+  ASSERT_OK(run_task(made, made.tasks()[0], fails));
+  ASSERT_OK(write_file(folder_ / "queue", std::string_view("8 7\n")));
+  EXPECT_THAT(jobs_in_queue(made, progress_).value(), ElementsAre("7"));
+  options_.retry = true;
+  EXPECT_ERROR(submit(made, options_, progress_), "in Slurm's queue still");
+  EXPECT_EQ(count_of(made)->failed, 1U);
+  fs::remove(folder_ / "queue");
+  EXPECT_THAT(submit(made, options_, progress_).value(), ElementsAre("8"));
+  EXPECT_EQ(count_of(made)->failed, 0U);
+}
+
 TEST_F(StudySlurm, IsHandedOverInArraysOfAThousand) {
   write_study(2001);
   const auto jobs = submit(store(), options_, progress_);

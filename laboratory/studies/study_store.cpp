@@ -107,12 +107,35 @@ Expected<void> write_sqlite(const fs::path& file, const std::vector<Fields>& row
   return {};
 }
 
+// A task is known by its words, in which these are placeholders.
+Expected<void> check_sources(const StudyStore& there, const Study& study,
+                             const std::map<std::string, fs::path>& sources) {
+  std::error_code ignored;
+  if (fs::is_empty(there.folder() / "results", ignored)) return {};
+  for (const auto& [name, source] : sources) {
+    const bool is_used = std::ranges::any_of(study.steps, [&](const StudyStep& step) {
+      return std::ranges::any_of(step.words, [&](const std::string& word) {
+        return word.find("{" + name + "}") != std::string::npos;
+      });
+    });
+    const fs::path& before = there.sources().at(name);
+    // With and without a slash at its end is the same.
+    if (!is_used || before / "" == source / "" || fs::equivalent(before, source, ignored)) continue;
+    return fail("{}: holds results of {{{}}} in {}, and not in {}; name another folder",
+                there.folder().string(), name, before.string(), source.string());
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<StudyStore> StudyStore::create(const fs::path& folder, const fs::path& study_file,
                                         const fs::path& data, const std::string& version) {
   ROOMWISE_TRY(const std::string text, read_text_file(study_file));
   ROOMWISE_TRY(const Study study, parse_study(text, study_file.string()));
+  const std::map<std::string, fs::path> sources{
+      {"data", data.empty() ? fs::path() : fs::absolute(data)},
+      {"study", fs::absolute(study_file).parent_path()}};
   const fs::path facts = folder / "study.json";
   if (fs::exists(facts)) {
     ROOMWISE_TRY(const StudyStore there, open(folder));
@@ -120,13 +143,13 @@ Expected<StudyStore> StudyStore::create(const fs::path& folder, const fs::path& 
       return fail("{}: holds the study '{}' and not '{}'; name another folder", folder.string(),
                   there.study().name, study.name);
     }
+    ROOMWISE_RETURN_IF_ERROR(check_sources(there, study, sources));
   }
   ROOMWISE_RETURN_IF_ERROR(make_folder(folder / "results"));
   ROOMWISE_RETURN_IF_ERROR(make_folder(folder / "tasks"));
   ROOMWISE_RETURN_IF_ERROR(write_file(folder / "study.toml", text));
-  const StoredJson json{{"data", data.empty() ? "" : fs::absolute(data).string()},
-                        {"study", fs::absolute(study_file).parent_path().string()},
-                        {"version", version}};
+  StoredJson json{{"version", version}};
+  for (const auto& [name, source] : sources) json[name] = source.string();
   ROOMWISE_RETURN_IF_ERROR(write_file(facts, json.dump(2) + "\n"));
   return open(folder);
 }
@@ -181,6 +204,14 @@ Expected<void> StudyStore::forget(const std::string& id) const {
   fs::remove(folder_ / "results" / (id + ".json"), error);
   if (!error) fs::remove_all(task_folder(id), error);
   if (error) return fail("{}: cannot be removed: {}", task_folder(id).string(), error.message());
+  return {};
+}
+
+Expected<void> StudyStore::forget_failed() const {
+  ROOMWISE_TRY(const auto all, results());
+  for (const TaskResult& result : all) {
+    if (!result.is_good) ROOMWISE_RETURN_IF_ERROR(forget(result.id));
+  }
   return {};
 }
 

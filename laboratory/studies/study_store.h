@@ -19,7 +19,7 @@ struct TaskResult {
   std::string why;                            // it failed
   std::map<std::string, std::string> values;  // as JSON has them: numbers with all their digits
   std::string version;                        // of the programs
-  std::string machine;                        // machine_name(): of older studies without its processor
+  std::string machine;  // machine_name(): of older studies without its processor
   int attempts = 0;
   double seconds = 0;  // of the last attempt
 };
@@ -30,7 +30,7 @@ struct TaskResult {
 class StudyStore {
  public:
   // Makes the folder where there is none, and writes down the study. Fails where it holds a study
-  // of another name.
+  // of another name, or results of what lies in another folder: {data} or {study} of its commands.
   [[nodiscard]] static Expected<StudyStore> create(const std::filesystem::path& folder,
                                                    const std::filesystem::path& study_file,
                                                    const std::filesystem::path& data,
@@ -53,6 +53,7 @@ class StudyStore {
   // Nothing where the task is not done. Fails where what lies there cannot be read.
   [[nodiscard]] Expected<std::optional<TaskResult>> find(const std::string& id) const;
   [[nodiscard]] Expected<void> forget(const std::string& id) const;
+  [[nodiscard]] Expected<void> forget_failed() const;
   // Of the study's tasks, in their order; those that are not done are left out.
   [[nodiscard]] Expected<std::vector<TaskResult>> results() const;
   [[nodiscard]] Expected<std::vector<StudyTask>> open_tasks() const;

@@ -16,7 +16,8 @@ std::optional<double> figure_of(const std::string& text) {
   return value;
 }
 
-// One cell: of the same figure of several tasks. Texts are listed.
+// One cell: of the same figure of several tasks. Texts are listed. Where not all have one it is
+// said how many have.
 std::string cell_of(const std::vector<std::string>& texts, int digits) {
   std::vector<double> figures;
   std::vector<std::string> others;
@@ -27,12 +28,16 @@ std::string cell_of(const std::vector<std::string>& texts, int digits) {
       others.push_back(text);
     }
   }
-  if (figures.empty()) return others.empty() ? "–" : fmt::format("{}", fmt::join(others, ", "));
+  const auto there = static_cast<std::size_t>(
+      std::ranges::count_if(texts, [](const std::string& text) { return !text.empty(); }));
+  const std::string of = there < texts.size() ? fmt::format(" (of {})", there) : "";
+  if (there == 0) return "–";
+  if (figures.empty()) return fmt::format("{}{}", fmt::join(others, ", "), of);
   const double mean =
       std::accumulate(figures.begin(), figures.end(), 0.0) / static_cast<double>(figures.size());
   const auto [least, largest] = std::ranges::minmax(figures);
-  if (least == largest) return fmt::format("{:.{}g}", mean, digits);
-  return fmt::format("{0:.{3}g} ({1:.{3}g} – {2:.{3}g})", mean, least, largest, digits);
+  if (least == largest) return fmt::format("{:.{}g}{}", mean, digits, of);
+  return fmt::format("{0:.{3}g} ({1:.{3}g} – {2:.{3}g}){4}", mean, least, largest, digits, of);
 }
 
 using Cells = std::vector<std::string>;

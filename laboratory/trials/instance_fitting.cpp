@@ -299,7 +299,11 @@ Expected<FittingCase> fitting_case(const home::Home& home, const ObjectTruthFile
     thing.box.world_from_box = world_from_truth * thing.box.world_from_box;
   }
   ROOMWISE_TRY(auto components, pipeline::observed_keyframes(home));
-  if (!components.contains(0)) return fail("{}: no finder looked at its key-frames", home.file());
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  std::erase_if(components[0], [&](const auto& keyframe) {
+    return keyframes.at(keyframe.keyframe_id).recording != there.walk;
+  });
+  if (components[0].empty()) return fail("{}: no finder looked at its key-frames", home.file());
   FittingCase result = fitting_case(std::filesystem::path(home.file()).stem().string(),
                                     !std::filesystem::is_directory(truth.truth),
                                     std::move(components.at(0)), std::move(there.things));

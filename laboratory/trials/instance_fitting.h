@@ -37,8 +37,8 @@ struct FittingCase {
 [[nodiscard]] FittingCase fitting_case(const std::string& name, bool is_real,
                                        std::vector<objects::ObservedKeyframe> keyframes,
                                        std::vector<evaluation::TrueObject> truth);
-// Of a home, by its file's name; its source is the truth's place (place_of()). A real one where the
-// truth is a file of what people marked.
+// Of a home, as the truth's walk shows it, by its file's name; its source is the truth's place
+// (place_of()). A real one where the truth is a file of what people marked.
 [[nodiscard]] Expected<FittingCase> fitting_case(const home::Home& home,
                                                  const ObjectTruthFiles& truth);
 

@@ -103,7 +103,7 @@ Expected<void> add_nameable(const home::Home& home, const std::filesystem::path&
   ROOMWISE_TRY(const auto objects, simulation::read_objects_truth(recording / "objects.json"));
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(auto keyframes, home.keyframes());
-  ROOMWISE_TRY(const auto true_poses, at_true_poses(std::move(keyframes), recording));
+  ROOMWISE_TRY(const auto true_poses, at_true_poses(std::move(keyframes), result.walk, recording));
   ROOMWISE_TRY(const auto cameras, pipeline::recording_cameras(home));
   for (const simulation::ObjectTruth& object : objects) {
     if (object.seen.empty()) continue;
@@ -146,7 +146,7 @@ Expected<void> add_marked(const home::Home& home, const labelling::RecordingTrut
                           const std::filesystem::path& recording, HomeTruth& result) {
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(auto keyframes, home.keyframes());
-  ROOMWISE_TRY(const auto true_poses, at_true_poses(std::move(keyframes), recording));
+  ROOMWISE_TRY(const auto true_poses, at_true_poses(std::move(keyframes), result.walk, recording));
   ROOMWISE_TRY(const auto cameras, pipeline::recording_cameras(home));
   for (const labelling::TrueThing& thing : truth.things) {
     auto entry = in_words(thing, concepts.vocabulary);
@@ -172,6 +172,44 @@ Expected<std::filesystem::path> recording_of(const home::Home& home) {
   return folder;
 }
 
+// What was found, with what is kept of it until it is known whether it counts.
+struct PlacedObject {
+  FoundObject found;
+  bool is_of_walk = true;  // a key-frame of the walk that the truth is of shows it best
+};
+struct PlacedInstance : PlacedObject {
+  geometry::OrientedBox box;
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();
+  double probability = 0;
+  ShownIn shown;
+};
+
+template <typename Placed>
+Expected<FoundObjectErrors> compare(std::span<const TrueObject> truth,
+                                    std::span<const Placed> placed, double max_distance_m) {
+  FoundObjectErrors result;
+  for (const Placed& one : placed) result.found.push_back(one.found);
+  ROOMWISE_TRY(result.errors, evaluation::object_errors(truth, result.found, max_distance_m));
+  return result;
+}
+
+// Compares what counts, and leaves that alone in `placed`: what other walks show may be another
+// thing than those that the truth tells of.
+template <typename Placed>
+Expected<FoundObjectErrors> compare_counted(std::span<const TrueObject> truth,
+                                            std::vector<Placed>& placed, double max_distance_m) {
+  ROOMWISE_TRY(const FoundObjectErrors all,
+               compare(truth, std::span<const Placed>(placed), max_distance_m));
+  std::vector<bool> is_matched(placed.size());
+  for (const evaluation::ObjectMatch& match : all.errors.matches) is_matched[match.found] = true;
+  std::vector<Placed> counted;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    if (is_matched[i] || placed[i].is_of_walk) counted.push_back(std::move(placed[i]));
+  }
+  placed = std::move(counted);
+  return compare(truth, std::span<const Placed>(placed), max_distance_m);
+}
+
 }  // namespace
 
 Expected<HomeTruth> home_truth(const home::Home& home, const ObjectTruthFiles& truth) {
@@ -190,8 +228,8 @@ Expected<HomeTruth> home_truth(const home::Home& home, const ObjectTruthFiles& t
       ROOMWISE_TRY(recording, recording_of(home));
     }
   }
-  ROOMWISE_RETURN_IF_ERROR(mapped_walk(home, recording));
   HomeTruth result;
+  ROOMWISE_TRY(result.walk, mapped_walk(home, recording));
   if (marked) {
     ROOMWISE_RETURN_IF_ERROR(add_marked(home, *marked, recording, result));
   } else {
@@ -210,22 +248,31 @@ Expected<ObjectEvaluation> evaluate_objects(const home::Home& home, const Object
   result.truth_shown = std::move(there.shown);
   const geometry::RigidTransform& truth_from_world = there.truth_from_world;
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  const auto is_of_walk = [&](home::KeyframeId id) {
+    return keyframes.at(id).recording == there.walk;
+  };
 
   ROOMWISE_TRY(const auto objects, home.paper_objects());
+  std::vector<PlacedObject> by_rules;
+  std::size_t without_place = 0;
   for (const objects::PaperObject& object : objects) {
     const home::KeyframePose& pose = keyframes.at(object.keyframe_id).pose;
     if (!object.position_keyframe || pose.component != 0) {
-      ++result.by_rules.without_place;
+      ++without_place;
       continue;
     }
-    result.by_rules.found.push_back(
-        {object.name, truth_from_world * (pose.world_from_keyframe * *object.position_keyframe)});
+    by_rules.push_back(
+        {{object.name, truth_from_world * (pose.world_from_keyframe * *object.position_keyframe)},
+         is_of_walk(object.keyframe_id)});
   }
-  ROOMWISE_TRY(result.by_rules.errors,
-               evaluation::object_errors(result.truth, result.by_rules.found, max_distance_m));
+  ROOMWISE_TRY(result.by_rules,
+               compare_counted<PlacedObject>(result.truth, by_rules, max_distance_m));
+  result.by_rules.without_place = without_place;
 
-  ROOMWISE_TRY(const auto observed, pipeline::observed_keyframes(home));
+  ROOMWISE_TRY(auto observed, pipeline::observed_keyframes(home));
   if (const auto main_component = observed.find(0); main_component != observed.end()) {
+    std::erase_if(main_component->second,
+                  [&](const auto& keyframe) { return !is_of_walk(keyframe.keyframe_id); });
     result.naive.found = naive_objects(main_component->second);
   }
   for (evaluation::FoundObject& found : result.naive.found) {
@@ -235,28 +282,35 @@ Expected<ObjectEvaluation> evaluate_objects(const home::Home& home, const Object
                evaluation::object_errors(result.truth, result.naive.found, max_distance_m));
 
   ROOMWISE_TRY(const auto instances, home.instances());
-  std::vector<std::pair<geometry::OrientedBox, Eigen::Vector3d>> boxes;  // with sigma
-  std::vector<double> probabilities;
+  std::vector<PlacedInstance> placed;
+  without_place = 0;
   for (const objects::Instance& instance : instances) {
     const home::KeyframePose& pose = keyframes.at(instance.keyframe_id).pose;
     if (pose.component != 0) {
-      ++result.instances.without_place;
+      ++without_place;
       continue;
     }
-    boxes.emplace_back(instance.box_world(truth_from_world * pose.world_from_keyframe),
-                       instance.sigma_m);
-    probabilities.push_back(instance.probability);
-    result.instances.found.push_back({instance.name, boxes.back().first.center()});
-    result.instances_shown.push_back(
-        {instance.keyframe_id,
-         instance.visit == 0 ? std::optional(instance.picture_box) : std::nullopt});
+    const auto box = instance.box_world(truth_from_world * pose.world_from_keyframe);
+    const bool is_of_map = instance.visit == 0;
+    placed.push_back(
+        {{{instance.name, box.center()}, is_of_map && is_of_walk(instance.keyframe_id)},
+         box,
+         instance.sigma_m,
+         instance.probability,
+         {instance.keyframe_id, is_of_map ? std::optional(instance.picture_box) : std::nullopt}});
   }
-  ROOMWISE_TRY(result.instances.errors,
-               evaluation::object_errors(result.truth, result.instances.found, max_distance_m));
+  ROOMWISE_TRY(result.instances,
+               compare_counted<PlacedInstance>(result.truth, placed, max_distance_m));
+  result.instances.without_place = without_place;
+  std::vector<double> probabilities;
+  for (const PlacedInstance& one : placed) {
+    probabilities.push_back(one.probability);
+    result.instances_shown.push_back(one.shown);
+  }
   for (const evaluation::ObjectMatch& match : result.instances.errors.matches) {
-    const auto& [box, sigma_m] = boxes[match.found];
-    result.coverage.add(box.world_from_box.inverse() * result.truth[match.truth].box.center(),
-                        sigma_m);
+    const PlacedInstance& one = placed[match.found];
+    result.coverage.add(one.box.world_from_box.inverse() * result.truth[match.truth].box.center(),
+                        one.sigma_m);
   }
   result.forecasts = evaluation::forecasts_of(result.instances.errors, result.truth, probabilities);
   return result;

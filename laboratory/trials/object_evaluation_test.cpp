@@ -102,5 +102,53 @@ TEST(ObjectEvaluation, ComparesWithWhatIsThere) {
   EXPECT_ERROR(evaluate_objects(home, {folder / "nowhere", {}}, 1.0), "nowhere: there is nothing");
 }
 
+TEST(ObjectEvaluation, WhatAnotherWalkAloneShowsCountsNeitherWay) {
+  const roomwise::testing::ScratchFolder folder;
+  pipeline::testing::SyntheticWalk walk(45);
+  home::Home home = mapped_home(folder / "a.home", walk);
+  ASSERT_OK(recording::write_trajectory(folder / "groundtruth.txt", walk.truth()));
+  simulation::ObjectTruth bed;
+  bed.name = bed.label = bed.kind = "bed";
+  bed.size_m = {0.4, 0.4, 0.4};
+  bed.seen.push_back({0, 100, 0.1});
+  ASSERT_OK(simulation::write_objects_truth(folder / "objects.json", std::vector{bed}));
+  pipeline::testing::write_mapped_pictures(home, folder.path());
+
+  // A second walk, its first picture at the same time as that of the first.
+  const home::Keyframe first = home.keyframes()->front();
+  const home::RecordingId later = home.add_recording({"later", "", walk.info().camera, 1}).value();
+  home::MapCommit step;
+  step.recording = later;
+  step.next_frame_index = 1;
+  const home::KeyframeId of_later = home.next_keyframe_id().value();
+  step.keyframes.push_back({{of_later, first.frame_index, first.timestamp_ns},
+                            first.pose,
+                            home.images(first.id).value(),
+                            {},
+                            {}});
+  step.frames.push_back(
+      {first.frame_index, first.timestamp_ns, home::FramePlace{of_later, {}}, ""});
+  ASSERT_OK(home.commit(step));
+  const auto placed = at_true_poses(home.keyframes().value(), first.recording, folder.path());
+  ASSERT_OK(placed);
+  for (const home::Keyframe& keyframe : *placed) EXPECT_EQ(keyframe.recording, first.recording);
+
+  objects::Instance chair;  // there is none
+  chair.name = "chair";
+  chair.box_keyframe.size_m = {0.4, 0.4, 0.4};
+  const auto wrong = [&](home::KeyframeId best) {
+    chair.keyframe_id = best;
+    EXPECT_OK(home.replace_instances(std::vector{chair}));
+    EXPECT_OK(home.replace_paper_objects(std::vector<objects::PaperObject>{
+        {"chair", best, 0.9, 4, Eigen::Vector3d(Eigen::Vector3d::Zero())}}));
+    const auto result = evaluate_objects(home, {folder.path(), {}}, 1.0).value();
+    EXPECT_EQ(result.instances_shown.size(), result.instances.found.size());
+    EXPECT_EQ(result.by_rules.errors.all.wrong, result.instances.errors.all.wrong);
+    return result.instances.errors.all.wrong;
+  };
+  EXPECT_EQ(wrong(first.id), 1U);
+  EXPECT_EQ(wrong(of_later), 0U);
+}
+
 }  // namespace
 }  // namespace roomwise::trials

@@ -37,12 +37,18 @@ Expected<std::vector<Eigen::Vector3f>> surface_points(const home::Home& home,
 
 }  // namespace
 
+std::vector<home::Keyframe> of_walk(std::vector<home::Keyframe> keyframes, home::RecordingId walk) {
+  std::erase_if(keyframes, [&](const auto& keyframe) { return keyframe.recording != walk; });
+  return keyframes;
+}
+
 Expected<std::vector<home::Keyframe>> at_true_poses(std::vector<home::Keyframe> keyframes,
+                                                    home::RecordingId walk,
                                                     const std::filesystem::path& recording) {
   constexpr TimestampNs kMaxApart_ns = 20'000'000;
   ROOMWISE_TRY(const recording::Trajectory truth, recording::read_truth(recording));
   std::vector<home::Keyframe> placed;
-  for (home::Keyframe& keyframe : keyframes) {
+  for (home::Keyframe keyframe : of_walk(std::move(keyframes), walk)) {
     const auto nearest = std::ranges::min_element(truth, {}, [&](const auto& pose) {
       return std::abs(pose.timestamp_ns - keyframe.timestamp_ns);
     });
@@ -126,13 +132,14 @@ Expected<evaluation::CloudError> evaluate_map(const home::Home& home,
                                               const std::filesystem::path& furniture,
                                               const MapEvaluationOptions& options,
                                               pipeline::RunContext& run) {
-  ROOMWISE_RETURN_IF_ERROR(mapped_walk(home, recording));
+  ROOMWISE_TRY(const home::RecordingId walk, mapped_walk(home, recording));
   ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(furniture));
   ROOMWISE_TRY(const RecordedHome recorded, recorded_home(recording, catalogue));
   ROOMWISE_TRY(auto keyframes, pipeline::map_keyframes(home));
+  keyframes = of_walk(std::move(keyframes), walk);
   geometry::RigidTransform truth_from_world;
   if (options.at_true_poses) {
-    ROOMWISE_TRY(keyframes, at_true_poses(std::move(keyframes), recording));
+    ROOMWISE_TRY(keyframes, at_true_poses(std::move(keyframes), walk, recording));
   } else {
     ROOMWISE_TRY(truth_from_world, truth_from_map(home, recording));
   }

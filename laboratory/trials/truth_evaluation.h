@@ -43,10 +43,15 @@ struct RecordedHome {
 // folder, or of the file of what people marked in it.
 [[nodiscard]] Expected<std::string> place_of(const std::filesystem::path& truth);
 
-// The key-frames whose true pose is known within 0.02 s, in the truth's frame. Fails where there
-// are none.
+// The key-frames of a walk.
+[[nodiscard]] std::vector<home::Keyframe> of_walk(std::vector<home::Keyframe> keyframes,
+                                                  home::RecordingId walk);
+
+// The key-frames of a walk whose true pose is known within 0.02 s, in the truth's frame.
+// `recording`: of that walk (mapped_walk()). Fails where there are none.
 [[nodiscard]] Expected<std::vector<home::Keyframe>> at_true_poses(
-    std::vector<home::Keyframe> keyframes, const std::filesystem::path& recording);
+    std::vector<home::Keyframe> keyframes, home::RecordingId walk,
+    const std::filesystem::path& recording);
 
 // A key-frame that shows a thing, and where.
 struct ShownIn {
@@ -91,14 +96,16 @@ struct HomeTruth {
   std::vector<evaluation::TrueObject> things;
   std::vector<std::optional<ShownIn>> shown;  // largest; absent where no key-frame shows it
   geometry::RigidTransform truth_from_world;
+  home::RecordingId walk = 0;  // that the truth is of
 };
 [[nodiscard]] Expected<HomeTruth> home_truth(const home::Home& home, const ObjectTruthFiles& truth);
 
 // Objects of the home against what is there: a thing counts as found within `max_distance_m` of its
-// box. Things that the walk never showed are left out; of what people marked, what both readers
-// marked alike is expected. What has several words in a home may be
-// called by each (an armchair is a chair or a sofa), and what is like a thing that the home has a
-// word for, and has none itself, may be called so or not be found (a stool is a chair).
+// box. Things that the walk never showed are left out, and in a home of several walks what was
+// found in pictures of others alone, where no such thing is, says nothing: the truth is not theirs.
+// Of what people marked, what both readers marked alike is expected. What has several words in a
+// home may be called by each (an armchair is a chair or a sofa), and what is like a thing that the
+// home has a word for, and has none itself, may be called so or not be found (a stool is a chair).
 [[nodiscard]] Expected<ObjectEvaluation> evaluate_objects(const home::Home& home,
                                                           const ObjectTruthFiles& truth,
                                                           double max_distance_m);
@@ -116,9 +123,9 @@ struct MapEvaluationOptions {
   bool at_true_poses = false;
 };
 
-// The map's points against the surfaces of the home that simulation.json describes. Furniture is
-// read from the folder of its archives. Fails where this program makes another home of that
-// description than the one that made the recording.
+// The points of the map, as the recording's walk shows it, against the surfaces of the home that
+// simulation.json describes. Furniture is read from the folder of its archives. Fails where this
+// program makes another home of that description than the one that made the recording.
 [[nodiscard]] Expected<evaluation::CloudError> evaluate_map(const home::Home& home,
                                                             const std::filesystem::path& recording,
                                                             const std::filesystem::path& furniture,
@@ -131,7 +138,8 @@ struct FloorEvaluation {
   double tilt_rad = 0;             // between the gravity-aligned frame's up and the truth's
 };
 
-// The map's floor grid against the free space of floorplan.json, for a person of the radius there.
+// The map's floor grid against the free space of floorplan.json, for a person of the radius there;
+// beyond what that shows nobody may stand.
 [[nodiscard]] Expected<FloorEvaluation> evaluate_floor(const home::Home& home,
                                                        const std::filesystem::path& recording,
                                                        pipeline::RunContext& run);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "laboratory/trials/guidance/modelled_leader.h"
+#include "roomwise/base/random.h"
 #include "roomwise/evaluation/statistics/quantile.h"
 #include "roomwise/guide/answers/route_prompts.h"
 #include "roomwise/guide/words/prompt_queue.h"
@@ -266,7 +267,7 @@ std::string_view to_string(guide::Goal::Kind kind) {
 }
 
 std::uint64_t seed_of_walk(const TrialOptions& options, std::uint64_t walk) {
-  return options.seed * 1000 + walk;
+  return RandomStream(options.seed, {options.home_seed, walk}).next();
 }
 
 Expected<void> TrialOptions::validate() const {
@@ -351,14 +352,16 @@ TrialSummary summarise(std::span<const GuidedWalk> walks) {
     if (walk.goal.outline) to_goal_m.push_back(walk.to_goal_m);
   }
   const auto count = static_cast<double>(std::max<std::size_t>(1, walks.size()));
-  const auto arrived = static_cast<double>(std::max<std::size_t>(1, summary.arrived));
   summary.spl /= count;
-  summary.mean_s = seconds / arrived;
-  for (const double ratio : ratios) summary.path_ratio += ratio / arrived;
-  for (const double ratio : ratios) {
-    summary.path_ratio_deviation += std::pow(ratio - summary.path_ratio, 2) / arrived;
+  if (summary.arrived > 0) {
+    const auto arrived = static_cast<double>(summary.arrived);
+    summary.mean_s = seconds / arrived;
+    double mean = 0, variance = 0;
+    for (const double ratio : ratios) mean += ratio / arrived;
+    for (const double ratio : ratios) variance += std::pow(ratio - mean, 2) / arrived;
+    summary.path_ratio = mean;
+    summary.path_ratio_deviation = std::sqrt(variance);
   }
-  summary.path_ratio_deviation = std::sqrt(summary.path_ratio_deviation);
   summary.contacts_per_walk = static_cast<double>(summary.contacts) / count;
   summary.deviations_per_walk = deviations / count;
   summary.lost_per_walk = lost / count;

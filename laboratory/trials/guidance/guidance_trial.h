@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,7 @@ enum class Guide {
 
 struct TrialOptions {
   std::uint64_t seed = 0;
+  std::uint64_t home_seed = 0;  // each home has people of its own; guides lead the same ones
   Guide guide = Guide::kSession;
   GoalOptions goals = {};
   WalkerFaults faults = {};
@@ -101,19 +103,20 @@ struct TrialSummary {
   std::size_t without_way = 0, not_reachable = 0;           // no other way; and the guide said so
   std::size_t says_there_wrongly = 0;                       // told so, and is not
   double spl = 0;  // success weighted by path length: mean of arrived * shortest / max(both)
-  // Of those who arrived: the path over the shortest one; mean, and standard deviation.
-  double path_ratio = 0, path_ratio_deviation = 0;
-  double mean_s = 0;  // of those who arrived
+  // Of those who arrived; absent of none: the path over the shortest one, its mean and standard
+  // deviation, and the time.
+  std::optional<double> path_ratio, path_ratio_deviation, mean_s;
   double walked_m = 0;
-  double contacts_per_walk = 0, prompts_per_m = 0, turns_per_walk = 0;
+  double contacts_per_walk = 0, turns_per_walk = 0;
+  std::optional<double> prompts_per_m;  // absent where nobody went anywhere
   std::size_t contacts = 0, contacts_by_prompt = 0;
   std::size_t prompts = 0, late = 0, wrong = 0, expired = 0;
   double deviations_per_walk = 0, lost_per_walk = 0;
-  double median_to_goal_m = 0;                          // of things that were reached
+  std::optional<double> median_to_goal_m;               // of things that were reached
   std::size_t broken_off = 0;                           // walks that nobody led to the end
   std::size_t pictures = 0, placed = 0, beyond_1m = 0;  // of all walks; placed a metre or more off
-  double median_position_error_m = 0, p95_position_error_m = 0;  // of those placed
-  double median_heading_error_rad = 0, p95_heading_error_rad = 0;
+  std::optional<double> median_position_error_m, p95_position_error_m;  // of those placed
+  std::optional<double> median_heading_error_rad, p95_heading_error_rad;
 };
 [[nodiscard]] TrialSummary summarise(std::span<const GuidedWalk> walks);
 

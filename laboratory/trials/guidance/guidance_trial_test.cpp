@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <numbers>
+#include <set>
 
 #include "laboratory/simulation/home/home_geometry.h"
 #include "laboratory/simulation/testing/test_homes.h"
@@ -105,6 +106,38 @@ TEST(TrialSummaryTest, ArrivalsAreCountedByKindOfGoal) {
   EXPECT_EQ(summary.by_kind.at("thing").arrived, 1u);
   EXPECT_EQ(summary.by_kind.at("room").goals, 2u);
   EXPECT_EQ(summary.by_kind.at("room").arrived, 1u);
+}
+
+TEST(TrialSummaryTest, OfThoseWhoDidNotArriveThereIsNoPath) {
+  std::vector<GuidedWalk> walks(2);
+  const TrialSummary none = summarise(walks);
+  for (const auto& figure :
+       {none.path_ratio, none.path_ratio_deviation, none.mean_s, none.median_to_goal_m,
+        none.median_position_error_m, none.p95_heading_error_rad, none.prompts_per_m}) {
+    EXPECT_FALSE(figure) << *figure;
+  }
+  walks[0].says_there = walks[0].is_there = true;
+  walks[0].goal.shortest_m = walks[0].walked_m = 3;
+  EXPECT_EQ(summarise(walks).path_ratio, 1);
+  EXPECT_EQ(summarise(walks).prompts_per_m, 0);
+}
+
+TEST_F(GuidanceTrialTest, EachHomeHasPeopleOfItsOwnWhoeverLeadsThem) {
+  TrialOptions options;
+  options.seed = 1;
+  std::set<std::uint64_t> seeds;
+  for (options.home_seed = 221; options.home_seed < 231; ++options.home_seed) {
+    for (std::uint64_t walk = 0; walk < 20; ++walk) seeds.insert(seed_of_walk(options, walk));
+  }
+  EXPECT_EQ(seeds.size(), 200u);
+  const std::uint64_t led = seed_of_walk(options, 3);
+  options.guide = Guide::kList;
+  EXPECT_EQ(seed_of_walk(options, 3), led) << "walks of two guides are compared in pairs";
+  options.goals.goals = 4;
+  options.guide = Guide::kSession;
+  const auto here = walks(options);
+  ++options.home_seed;
+  EXPECT_NE(walks(options)[0].walked_m, here[0].walked_m);
 }
 
 TEST_F(GuidanceTrialTest, ThePageShowsEachWalkWithWhatWasHeard) {
@@ -250,6 +283,7 @@ TEST_F(ContactTest, WhoVeersIntoWhatTheyWereLedPastDidItThemselves) {
   put(table_top("right table", {2.5, 1}, {2, 1.2}));
   const std::vector<ScriptedLeader::Word> words{{0, "guide.walk", {{"distance", "4 steps"}}}};
   options_.faults = {.veer_degrees_per_m = 30, .wrong_share = 0};
+  for (options_.seed = 0; walk(words).contacts.empty() && options_.seed < 50;) ++options_.seed;
   const GuidedWalk led = walk(words);
   ASSERT_EQ(led.contacts.size(), 1u);
   EXPECT_THAT(led.contacts[0].thing, HasSubstr(" table"));
