@@ -2,8 +2,8 @@
 
 #include "camera_option.h"
 #include "commands.h"
+#include "figures.h"
 #include "laboratory/labelling/lift_labels.h"
-#include "roomwise/evaluation/statistics/quantile.h"
 #include "roomwise/recording/open_recording.h"
 
 namespace roomwise::app {
@@ -34,38 +34,39 @@ Expected<Answer> lift(const LiftLabelsOptions& options, Context& /*context*/) {
     std::vector<double> sigmas_m, residuals_px;
     for (const auto& [label, thing] : lifted->things) {
       sigmas_m.push_back(thing.sigma_m);
-      residuals_px.push_back(thing.residual_px);
+      if (thing.residual_px) residuals_px.push_back(*thing.residual_px);
     }
+    const auto sigma_m = quantile_of(sigmas_m, 0.5), residual_px = quantile_of(residuals_px, 0.5);
     answer.text += fmt::format(
-        "reader {}: {} things in space, {} whose place is not known; middles known to {:.2f} m, "
-        "{:.1f} px from their boxes' (medians)\n",
-        labels.reader, lifted->things.size(), lifted->not_lifted.size(),
-        evaluation::quantile(sigmas_m, 0.5), evaluation::quantile(residuals_px, 0.5));
+        "reader {}: {} things in space, {} whose place is not known; middles known to {} m, "
+        "{} px from their boxes' where two or more show all (medians)\n",
+        labels.reader, lifted->things.size(), lifted->not_lifted.size(), text_or_none(sigma_m),
+        text_or_none(residual_px, 1));
     for (const labelling::LabelledThing& thing : lifted->not_lifted) {
       answer.text += fmt::format("  not in space: {} {} {}\n", thing.id, thing.name, thing.note);
     }
     answer.json["readers"].push_back({{"reader", labels.reader},
                                       {"things", lifted->things.size()},
                                       {"not_in_space", lifted->not_lifted.size()},
-                                      {"sigma_m", evaluation::quantile(sigmas_m, 0.5)},
-                                      {"residual_px", evaluation::quantile(residuals_px, 0.5)}});
+                                      {"sigma_m", json_or_null(sigma_m)},
+                                      {"residual_px", json_or_null(residual_px)}});
     readers.push_back(*std::move(lifted));
   }
   labelling::ReaderAgreement agreement;
-  const labelling::RecordingTruth truth = merge_readers(readers, agreement);
+  ROOMWISE_TRY(const labelling::RecordingTruth truth, merge_readers(readers, agreement));
   ROOMWISE_RETURN_IF_ERROR(write_recording_truth(options.output, truth));
-  const double between_m = evaluation::quantile(agreement.between_m, 0.5);
+  const auto between_m = quantile_of(agreement.between_m, 0.5);
   answer.text +=
       fmt::format("marked by both {}, under two names {}, by one alone {}\n", agreement.both,
                   agreement.other_name, fmt::join(agreement.only_one, " and "));
-  if (!agreement.between_m.empty()) {
-    answer.text += fmt::format("the readers' middles lie {:.2f} m apart (median)\n", between_m);
+  if (between_m) {
+    answer.text += fmt::format("the readers' middles lie {:.2f} m apart (median)\n", *between_m);
   }
   answer.text += fmt::format("{} things in {}\n", truth.things.size(), options.output.string());
   answer.json["both"] = agreement.both;
   answer.json["other_name"] = agreement.other_name;
   answer.json["only_one"] = agreement.only_one;
-  answer.json["between_m"] = between_m;
+  answer.json["between_m"] = json_or_null(between_m);
   answer.json["things"] = truth.things.size();
   return answer;
 }

@@ -63,7 +63,8 @@ TEST(Lift, RaysMeetInTheMiddleWithoutDepth) {
   EXPECT_LT((thing->box_world.center() - kMiddle).norm(), 1e-3);
   EXPECT_NEAR(thing->box_world.size_m.x(), 0.5, 0.02);
   EXPECT_NEAR(thing->box_world.size_m.y(), 0.5, 0.02);
-  EXPECT_LT(thing->residual_px, 0.1);
+  ASSERT_TRUE(thing->residual_px);
+  EXPECT_LT(*thing->residual_px, 0.1);
   EXPECT_LT(thing->sigma_m, 0.1);
 }
 
@@ -86,6 +87,7 @@ TEST(Lift, OneViewNeedsDepth) {
   ASSERT_TRUE(thing);
   EXPECT_LT((thing->box_world.center() - kMiddle).norm(), 0.08);
   EXPECT_GT(thing->sigma_m, 0.1) << "half the thing's size";
+  EXPECT_FALSE(thing->residual_px) << "nothing to differ from";
   EXPECT_FALSE(lift({})) << "nothing was drawn";
 }
 
@@ -152,7 +154,7 @@ TEST(MergeReaders, ExpectsWhatBothMarkedAlike) {
                                                        {"lamp", {9, 0, 0}, true},
                                                        {"person", {6, 0, 0}, true}})};
   ReaderAgreement agreement;
-  const RecordingTruth truth = merge_readers(readers, agreement);
+  const RecordingTruth truth = merge_readers(readers, agreement).value();
   EXPECT_EQ(agreement.both, 2U) << "the second chair, the cup";
   EXPECT_EQ(agreement.other_name, 1U) << "a screen or a laptop";
   EXPECT_THAT(agreement.only_one, ElementsAre(1, 1)) << "the first chair; the lamp";
@@ -169,10 +171,17 @@ TEST(MergeReaders, ExpectsWhatBothMarkedAlike) {
   EXPECT_EQ(truth.things[4].name, "lamp");
 }
 
+TEST(MergeReaders, WhoMarkedTwiceConfirmsNothing) {
+  ReaderAgreement agreement;
+  const LiftedLabels one = reader("A", {{"chair", {0, 0, 0}, true}});
+  EXPECT_ERROR(merge_readers(std::vector{one, one}, agreement),
+               "both files are of the reader A; give files of two readers");
+}
+
 TEST(MergeReaders, OneReaderAloneExpectsNothing) {
   ReaderAgreement agreement;
   const std::vector<LiftedLabels> readers{reader("A", {{"chair", {0, 0, 0}, true}})};
-  const RecordingTruth truth = merge_readers(readers, agreement);
+  const RecordingTruth truth = merge_readers(readers, agreement).value();
   ASSERT_THAT(truth.things, SizeIs(1));
   EXPECT_FALSE(truth.things[0].is_expected);
 }
@@ -182,7 +191,7 @@ TEST(RecordingTruthFile, ComesBackAsItWas) {
   ReaderAgreement agreement;
   const std::vector<LiftedLabels> readers{reader("A", {{"chair", {0.25, 0, 1}, true}}),
                                           reader("B", {{"chair", {0.25, 0, 1}, true}})};
-  const RecordingTruth truth = merge_readers(readers, agreement);
+  const RecordingTruth truth = merge_readers(readers, agreement).value();
   ASSERT_OK(write_recording_truth(folder / "t.json", truth));
   const auto read = read_recording_truth(folder / "t.json");
   ASSERT_OK(read);

@@ -174,7 +174,7 @@ std::optional<LiftedThing> lift(std::span<const PlacedView> views) {
     squares += (view.camera.project(point) - middle_of(view.box)).squaredNorm();
     ++shown;
   }
-  if (shown > 0) thing.residual_px = std::sqrt(squares / shown);
+  if (shown > 1) thing.residual_px = std::sqrt(squares / shown);
   return thing;
 }
 

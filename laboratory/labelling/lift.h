@@ -33,8 +33,9 @@ struct LiftedThing {
   // the other two.
   geometry::OrientedBox box_world;
   double sigma_m = 0;  // standard deviation of the middle along its least certain direction
-  double residual_px =
-      0;  // of the middle from those of the boxes, RMS over views that show all of it
+  // Of the middle from those of the boxes, RMS over views that show all of it; absent where these
+  // are not two, since one view fits by itself.
+  std::optional<double> residual_px;
 };
 
 // The middle of a thing is where the rays through the middles of its boxes meet best (least squares

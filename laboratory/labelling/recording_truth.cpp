@@ -128,7 +128,11 @@ Marks marks_of(const LiftedLabels& labels) {
 
 }  // namespace
 
-RecordingTruth merge_readers(std::span<const LiftedLabels> readers, ReaderAgreement& agreement) {
+Expected<RecordingTruth> merge_readers(std::span<const LiftedLabels> readers,
+                                       ReaderAgreement& agreement) {
+  if (readers.size() > 1 && readers[0].reader == readers[1].reader) {
+    return fail("both files are of the reader {}; give files of two readers", readers[0].reader);
+  }
   RecordingTruth truth;
   agreement = {};
   agreement.only_one.resize(readers.size());

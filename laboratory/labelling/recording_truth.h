@@ -58,8 +58,9 @@ struct ReaderAgreement {
 // The truth of one or two readers of one recording. Two marks are one thing where they have a name
 // and their middles lie within the thing's own size (a hand's breadth at least), the nearest pair
 // first; then, of what is left, where they lie within half of it under two names. The middle is the
-// mean by certainty. People and other transient marks are left out.
-[[nodiscard]] RecordingTruth merge_readers(std::span<const LiftedLabels> readers,
-                                           ReaderAgreement& agreement);
+// mean by certainty. People and other transient marks are left out. Fails where both readers are
+// one.
+[[nodiscard]] Expected<RecordingTruth> merge_readers(std::span<const LiftedLabels> readers,
+                                                     ReaderAgreement& agreement);
 
 }  // namespace roomwise::labelling
