@@ -102,6 +102,15 @@ TEST_F(TrainCommandTest, BeginsWithACompactNetworkOfRandomWeights) {
   EXPECT_EQ((*network)->feature_size(), 256);
 }
 
+TEST_F(TrainCommandTest, WhatIsTrainedOnIsNotHeldOut) {
+  std::filesystem::create_directory_symlink(path("photos"), path("same"));
+  for (const char* same : {"photos", "photos/", "same"}) {
+    const auto result = train("out", {"--held-out", path(same), "--steps", "1"});
+    EXPECT_EQ(result.exit_code, 1) << same;
+    EXPECT_THAT(result.errors, HasSubstr("is both to be trained on and held out"));
+  }
+}
+
 TEST_F(TrainCommandTest, GoesOnWhereItStopped) {
   std::vector<std::string> options{
       "--batch",          "1", "--steps", "20", "--held-out-share", "0", "--checkpoint-every", "1",

@@ -90,6 +90,11 @@ Expected<Data> data_of_folder(const TrainRequest& request) {
   Data data;
   ROOMWISE_TRY(PictureFolder folder, PictureFolder::open(request.folder));
   if (!request.held_out.empty()) {
+    std::error_code ignored;
+    if (fs::equivalent(request.folder, request.held_out, ignored)) {
+      return fail("{} is both to be trained on and held out; name another folder with --held-out",
+                  request.held_out.string());
+    }
     ROOMWISE_TRY(PictureFolder held_out, PictureFolder::open(request.held_out));
     ROOMWISE_TRY(PictureFolder renumbered,
                  std::move(held_out).with_classes(folder.classes()).map_error([&](Error error) {
