@@ -13,6 +13,7 @@
 #include "rooms_options.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/report/recognition_report.h"
+#include "roomwise/pipeline/edits/walk_edits.h"
 #include "roomwise/pipeline/rooms/room_baselines.h"
 #include "roomwise/pipeline/rooms/room_evaluation.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
@@ -61,7 +62,7 @@ Expected<bool> is_mapped(const home::Home& home, const fs::path& folder) {
   ROOMWISE_TRY(const auto recordings, home.recordings());
   return std::ranges::any_of(recordings, [&](const home::StoredRecording& one) {
     std::error_code missing;
-    return fs::equivalent(one.recording.folder, folder, missing);
+    return fs::equivalent(pipeline::folder_of_walk(home, one), folder, missing);
   });
 }
 

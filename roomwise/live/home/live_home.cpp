@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "roomwise/image/codec.h"
+#include "roomwise/pipeline/edits/walk_edits.h"
 #include "roomwise/pipeline/objects/changed_networks.h"
 #include "roomwise/pipeline/objects/thing_history.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
@@ -347,14 +348,14 @@ Expected<std::optional<fs::path>> LiveHome::unfinished_walk() {
   const std::scoped_lock lock(home_mutex_);
   ROOMWISE_TRY(const auto recordings, home_.recordings());
   if (recordings.empty() || recordings.back().finished) return std::nullopt;
-  return fs::path(recordings.back().recording.folder);
+  return pipeline::folder_of_walk(home_, recordings.back());
 }
 
 Expected<bool> LiveHome::has_recording_of(const fs::path& folder) {
   const std::scoped_lock lock(home_mutex_);
   ROOMWISE_TRY(const auto recordings, home_.recordings());
   return std::ranges::any_of(recordings, [&](const home::StoredRecording& one) {
-    return fs::path(one.recording.folder) == folder;
+    return pipeline::folder_of_walk(home_, one) == folder;
   });
 }
 
@@ -385,7 +386,7 @@ Expected<void> LiveHome::check_idle() const {
 }
 
 fs::path LiveHome::walks_folder() const {
-  return fs::path(file_.string() + ".walks");
+  return pipeline::own_walks_folder(file_);
 }
 
 fs::path LiveHome::photos_folder() const {

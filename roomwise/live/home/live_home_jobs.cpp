@@ -223,6 +223,9 @@ Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string&
   std::shared_ptr<WalkRecorder> recorder;
   ROOMWISE_RETURN_IF_ERROR(instead_of_preparing([&]() -> Expected<void> {
     ROOMWISE_RETURN_IF_ERROR(check_idle());
+    // Its pictures may be removed; the new ones would be taken for them.
+    ROOMWISE_TRY(const bool is_known, has_recording_of(walks_folder() / name));
+    if (is_known) return fail("the home knows a walk '{}' already; choose another name", name);
     const std::scoped_lock lock(devices_mutex_);
     if (recorder_) return fail("'{}' is being recorded; stop it first", recorder_->name());
     ROOMWISE_TRY(recorder, WalkRecorder::begin(walks_folder() / name, *camera, unix_now_ns()));

@@ -11,6 +11,7 @@
 
 #include "roomwise/guide/answers/spot_prompts.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/live/home/home_backup.h"
 #include "roomwise/live/routes/home_routes.h"
 #include "roomwise/pipeline/edits/walk_edits.h"
 #include "roomwise/pipeline/testing/synthetic_walk.h"
@@ -632,6 +633,34 @@ TEST_F(LiveHomeTest, AWalkThatWasRecordedAndNotMappedIsMappedAtTheNextStart) {
   home->jobs().wait();
   EXPECT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
   EXPECT_THAT(home->view()->walks, SizeIs(1));
+}
+
+TEST_F(LiveHomeTest, TheWalksOfAHomeThatWasRestoredAreItsOwn) {
+  open();
+  record_the_walk();
+  home.reset();
+  ASSERT_OK(back_up(home::Home::open_read_only(file).value(), folder / "backup"));
+  ASSERT_OK(restore(folder / "backup", folder / "house.home"));
+  for (const std::string name : {"./flat.home", "house.home"}) {
+    file = folder / name;
+    open();
+    home->jobs().wait();
+    EXPECT_EQ(home->jobs().state()->kind, "prepare") << name << ": nothing is mapped again";
+    EXPECT_THAT(home->view()->walks, SizeIs(1));
+    home.reset();
+  }
+  open();
+  ASSERT_OK(home->forget_walk(1));
+  EXPECT_FALSE(std::filesystem::exists(folder / "house.home.walks/first walk"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "flat.home.walks/first walk"));
+}
+
+TEST_F(LiveHomeTest, AWalkWhosePicturesWereRemovedLendsItsNameToNoOther) {
+  open();
+  record_the_walk();
+  std::filesystem::remove_all(folder / "flat.home.walks");
+  const Client belt = connect(7, service::Role::kDevice);
+  EXPECT_ERROR(home->begin_recording(7, "first walk"), "knows a walk 'first walk' already");
 }
 
 TEST_F(LiveHomeTest, AWalkThatCannotBeMappedKeepsBackNoOther) {

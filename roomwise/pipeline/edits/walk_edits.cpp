@@ -11,25 +11,27 @@ namespace fs = std::filesystem;
 
 namespace {
 
-fs::path resolved(const fs::path& path) {
-  std::error_code error;
-  const fs::path absolute = fs::absolute(path, error);
-  return fs::weakly_canonical(absolute, error);
-}
+constexpr std::string_view kWalks = ".walks";
 
-// Its folder in the home's own; absent where it was recorded elsewhere.
+// Its folder in the home's own; absent where it was recorded elsewhere. The folder is stored by the
+// path that the home had then: it may have been moved, copied or restored since, or be called by
+// another spelling.
 std::optional<fs::path> own_folder_of(const home::Home& home, const home::StoredRecording& walk) {
-  const fs::path own = std::string(home.file()) + ".walks";
   const fs::path folder = fs::path(walk.recording.folder).lexically_normal();
   if (!folder.has_filename()) return std::nullopt;
-  // Who serves a home by a relative name has its walks by relative names, of a folder that nobody
-  // knows any more.
-  const bool is_own = folder.is_absolute() ? resolved(folder.parent_path()) == resolved(own)
-                                           : folder.parent_path().filename() == own.filename();
-  return is_own ? std::optional(own / folder.filename()) : std::nullopt;
+  if (!folder.parent_path().filename().string().ends_with(kWalks)) return std::nullopt;
+  return own_walks_folder(home.file()) / folder.filename();
 }
 
 }  // namespace
+
+fs::path own_walks_folder(const fs::path& home) {
+  return fs::path(home.string() + std::string(kWalks));
+}
+
+fs::path folder_of_walk(const home::Home& home, const home::StoredRecording& walk) {
+  return own_folder_of(home, walk).value_or(walk.recording.folder);
+}
 
 Expected<home::EditId> take_walk_away(home::Home& home, const EditAuthor& author,
                                       home::RecordingId walk) {

@@ -106,16 +106,21 @@ TEST_F(WalkEdits, OnlyTheFolderInTheHomesOwnIsRemovedWithAWalk) {
   make(own / "first");
   make(own / "second");
   make(own / "third");
-  const std::string elsewhere = make(folder_ / "other" / "a.home.walks" / "third");
+  make(own / "fourth");
+  const std::string elsewhere = make(folder_ / "recordings" / "fourth");
+  const std::string of_original = make(folder_ / "original.home.walks" / "third");
   ASSERT_OK(remove((own / "first").string()));
   EXPECT_FALSE(fs::exists(own / "first"));
   ASSERT_OK(remove("a.home.walks/second")) << "as of a home that was served by a relative name";
   EXPECT_FALSE(fs::exists(own / "second"));
+  ASSERT_OK(remove(of_original)) << "as of a home that was copied from another";
+  EXPECT_FALSE(fs::exists(own / "third"));
+  EXPECT_TRUE(fs::exists(of_original));
   for (const std::string& other :
-       {elsewhere, own.string(), own.string() + "/", std::string(), std::string("third"),
+       {elsewhere, own.string(), own.string() + "/", std::string(), std::string("fourth"),
         std::string("a.home.walks/.."), std::string("a.home.walks/.")}) {
     ASSERT_OK(remove(other));
-    EXPECT_TRUE(fs::exists(own / "third")) << other;
+    EXPECT_TRUE(fs::exists(own / "fourth")) << other;
   }
   EXPECT_TRUE(fs::exists(elsewhere));
   ASSERT_OK(remove((own / "nothing").string()));
