@@ -136,7 +136,7 @@ Made rename_room(home::Home& home, const EditOptions& options, Context&) {
   ROOMWISE_RETURN_IF_ERROR(home.atomically([&]() -> Expected<void> {
     ROOMWISE_TRY(id,
                  pipeline::rename_room(home, command_line_author(), options.what, options.other));
-    return photos_of(options).rename(options.what, options.other);
+    return photos_of(options).begin_rename(options.what, options.other);
   }));
   return id;
 }
@@ -194,7 +194,10 @@ Made add_door(home::Home& home, const EditOptions& options, Context& context) {
 template <Made (*kChange)(home::Home&, const EditOptions&, Context&)>
 Expected<Answer> change(const EditOptions& options, Context& context) {
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
-  ROOMWISE_TRY(const home::EditId id, kChange(home, options, context));
+  const Made changed = kChange(home, options, context);
+  const Expected<void> settled = photos_of(options).settle(home);
+  ROOMWISE_TRY(const home::EditId id, changed);
+  ROOMWISE_RETURN_IF_ERROR(settled);
   ROOMWISE_TRY(const auto edits, pipeline::stored_edits(home));
   const auto made = std::ranges::find(edits, id, &pipeline::StoredEdit::id);
   const std::string words = pipeline::describe(*made);
@@ -235,18 +238,11 @@ Expected<Answer> undo(const EditOptions& options, Context& context) {
   ROOMWISE_TRY(const auto edits, pipeline::stored_edits(home));  // marked places are none
   if (edits.empty()) return fail("{}: nothing was changed by hand", home.file());
   const home::EditId id = options.change != 0 ? options.change : edits.back().id;
-  std::optional<pipeline::StoredEdit> undone;
-  ROOMWISE_RETURN_IF_ERROR(home.atomically([&]() -> Expected<void> {
-    ROOMWISE_TRY(undone, pipeline::undo_edit(home, id));
-    const pipeline::EditChange& was = undone->change;
-    if (undone->kind == pipeline::EditKind::kRenameRoom) {
-      return photos_of(options).rename(was.room, was.old_name);
-    }
-    if (undone->kind == pipeline::EditKind::kRemoveRoom) {
-      return photos_of(options).bring_back(was.room);
-    }
-    return {};
-  }));
+  live::RoomPhotos photos = photos_of(options);
+  const auto undone = live::undo_edit(home, photos, id);
+  const Expected<void> settled = photos.settle(home);
+  ROOMWISE_RETURN_IF_ERROR(undone);
+  ROOMWISE_RETURN_IF_ERROR(settled);
   return Answer{fmt::format("undone: {}\n", pipeline::describe(*undone)), edit_json(*undone)};
 }
 
@@ -254,7 +250,9 @@ Expected<Answer> undo(const EditOptions& options, Context& context) {
 Expected<Answer> forget(const EditOptions& options, Context& context) {
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(const bool has_any, pipeline::has_removed_rooms(home));
-  ROOMWISE_RETURN_IF_ERROR(photos_of(options).forget_set_aside());
+  live::RoomPhotos photos = photos_of(options);
+  ROOMWISE_RETURN_IF_ERROR(photos.settle(home));
+  ROOMWISE_RETURN_IF_ERROR(photos.forget_set_aside());
   if (has_any) ROOMWISE_RETURN_IF_ERROR(pipeline::forget_removed_rooms(home));
   ROOMWISE_RETURN_IF_ERROR(pipeline::forget_taken_walks(home).map([](const auto&) {}));
   ROOMWISE_TRY(const bool owes_erasing, home.owes_erasing());

@@ -339,7 +339,9 @@ Expected<void> LiveHome::change(const std::function<Expected<void>(home::Home&)>
   const std::unique_lock lock(home_mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return fail("the computer is busy; wait until it is done, or stop it");
   store_own_sightings(std::numeric_limits<std::int64_t>::max());  // rooms may be called otherwise
-  ROOMWISE_RETURN_IF_ERROR(watched("a change", change(home_)));
+  const Expected<void> changed = watched("a change", change(home_));
+  settle_photos();
+  ROOMWISE_RETURN_IF_ERROR(changed);
   make_up_for_erasing(home_);
   return refresh(view()->map);
 }

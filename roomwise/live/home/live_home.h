@@ -274,6 +274,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // What waits to be erased when the home is opened: what could be undone until now, as the options
   // say, and what was forgotten and not erased.
   void erase_what_waits();
+  // RoomPhotos::settle(); where that fails, it is told in the log. With home_mutex_ held.
+  void settle_photos();
   // What could be undone until now. With home_mutex_ held.
   [[nodiscard]] Expected<void> forget_removed();
   [[nodiscard]] Expected<void> start_mapping(const std::filesystem::path& folder);

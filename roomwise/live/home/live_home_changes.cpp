@@ -57,7 +57,7 @@ Expected<void> LiveHome::change_room(const std::string& name,
       }
       if (!new_name || *new_name == name) return {};
       ROOMWISE_RETURN_IF_ERROR(pipeline::rename_room(home, author(by), name, *new_name));
-      return photos_->rename(name, *new_name);
+      return photos_->begin_rename(name, *new_name);
     });
   });
 }
@@ -73,19 +73,18 @@ Expected<home::EditId> LiveHome::edit(const std::string& by, const Edit& work) {
 
 Expected<void> LiveHome::undo(home::EditId id) {
   return change([&](home::Home& home) {
-    return home.atomically([&]() -> Expected<void> {
-      ROOMWISE_TRY(const pipeline::StoredEdit undone, pipeline::undo_edit(home, id));
-      const pipeline::EditChange& change = undone.change;
-      if (undone.kind == pipeline::EditKind::kRenameRoom) {
-        return photos_->rename(change.room, change.old_name);
-      }
-      if (undone.kind == pipeline::EditKind::kRemoveRoom) return photos_->bring_back(change.room);
-      return {};
-    });
+    return undo_edit(home, *photos_, id).map([](const pipeline::StoredEdit&) {});
   });
 }
 
+void LiveHome::settle_photos() {
+  if (const auto settled = photos_->settle(home_); !settled) {
+    options_.log(fmt::format("photos do not follow their rooms: {}", settled.error().message));
+  }
+}
+
 Expected<void> LiveHome::forget_removed() {
+  ROOMWISE_RETURN_IF_ERROR(photos_->settle(home_));
   ROOMWISE_RETURN_IF_ERROR(photos_->forget_set_aside());
   ROOMWISE_TRY(const bool has_any, pipeline::has_removed_rooms(home_));
   if (has_any) ROOMWISE_RETURN_IF_ERROR(pipeline::forget_removed_rooms(home_));
@@ -108,6 +107,7 @@ Expected<void> LiveHome::erase_now() {
 }
 
 void LiveHome::erase_what_waits() {
+  settle_photos();
   if (!options_.erases_removed) return make_up_for_erasing(home_);
   if (const auto done = forget_removed(); !done) {
     options_.log(fmt::format("what was forgotten is not erased yet: {}", done.error().message));
@@ -146,7 +146,7 @@ Expected<void> LiveHome::forget_room(const std::string& name, const std::string&
     return change([&](home::Home& home) {
       return home.atomically([&]() -> Expected<void> {
         ROOMWISE_RETURN_IF_ERROR(pipeline::remove_room(home, author(by), name));
-        return photos_->set_aside(name);
+        return photos_->set_aside(name);  // settle_photos() has them back where that is not stored
       });
     });
   });

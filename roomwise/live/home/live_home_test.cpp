@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "roomwise/base/testing/full_disk.h"
 #include "roomwise/guide/answers/spot_prompts.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/live/home/home_backup.h"
@@ -983,6 +984,45 @@ TEST_F(LiveHomeTest, RoomsAreLearnedFromPhotosAndALaterWalkMakesTheMap) {
   EXPECT_THAT(home->photos().counts().value(), SizeIs(1));
   ASSERT_OK(home->forget_home());
   EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.photos"));
+}
+
+// Of a room that stays, whatever kept the home from taking it away or renaming it.
+TEST_F(LiveHomeTest, PhotosFollowTheRoomsThatTheHomeHas) {
+  {
+    home::Home made = pipeline::create_home(file, {}).value();
+    ASSERT_OK(made.replace_rooms(std::array{rooms::Room{"kitchen", "kitchen"}}));
+  }
+  open();
+  const Bytes picture = image::encode_png(image::ColorImage(200, 200));
+  EXPECT_TRUE(home->photos().add("kitchen", picture));
+  const auto counts = [&] { return home->photos().counts().value(); };
+  const std::vector<RoomPhotos::Count> all{{"kitchen", 1}};
+  constexpr int kSmall = 1000;  // bytes: names of photos' rooms can be written, and no page
+  {
+    const testing::FullDisk full(kSmall);
+    EXPECT_FALSE(home->forget_room("kitchen"));
+    EXPECT_FALSE(home->change_room("kitchen", "galley", {}));
+  }
+  EXPECT_EQ(counts(), all);
+  home.reset();
+  open();
+  EXPECT_EQ(counts(), all);
+
+  ASSERT_OK(home->forget_room("kitchen"));
+  EXPECT_THAT(counts(), IsEmpty());
+  const home::EditId removal = home->view()->edits.front().edit.id;
+  {
+    const testing::FullDisk full(kSmall);
+    EXPECT_FALSE(home->undo(removal));
+  }
+  EXPECT_THAT(counts(), IsEmpty()) << "the room is still removed";
+  ASSERT_OK(home->undo(removal));
+  EXPECT_EQ(counts(), all);
+
+  ASSERT_OK(home->photos().set_aside("kitchen"));  // as where it is killed before it is stored
+  home.reset();
+  open();
+  EXPECT_EQ(counts(), all);
 }
 
 // ---- a recording that is handed in ----

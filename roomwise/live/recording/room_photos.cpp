@@ -1,6 +1,7 @@
 #include "roomwise/live/recording/room_photos.h"
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -8,6 +9,7 @@
 #include "roomwise/image/codec.h"
 #include "roomwise/image/metadata.h"
 #include "roomwise/live/recording/remove_folder.h"
+#include "roomwise/pipeline/edits/undo_edit.h"
 
 namespace roomwise::live {
 namespace {
@@ -17,6 +19,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kDigits = 24;  // of names that are made of a digest
 constexpr const char* kNameFile = "room.txt";
 constexpr const char* kAsideFile = "removed_room.txt";  // in its place, of a room that was removed
+constexpr const char* kNewNameFile = "new_name.txt";    // beside it, of one that is being renamed
 constexpr std::int64_t kMaxPhotoPixels = 24'000'000;
 constexpr int kMinPhotoSide_px = 160;
 
@@ -49,6 +52,13 @@ std::uint64_t bytes_in(const fs::path& folder) {
     }
   }
   return bytes;
+}
+
+Expected<void> rename_file(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::rename(from, to, error);
+  if (error) return fail("{}: cannot be renamed: {}", from.string(), error.message());
+  return {};
 }
 
 }  // namespace
@@ -179,7 +189,7 @@ Expected<std::size_t> RoomPhotos::add(const std::string& room, std::span<const s
   return of_room + 1;
 }
 
-Expected<void> RoomPhotos::rename(const std::string& room, const std::string& new_name) {
+Expected<void> RoomPhotos::begin_rename(const std::string& room, const std::string& new_name) {
   const std::scoped_lock lock(mutex_);
   std::error_code error;
   const fs::path folder = folder_of(room);
@@ -187,7 +197,7 @@ Expected<void> RoomPhotos::rename(const std::string& room, const std::string& ne
   if (fs::exists(folder_of(new_name) / kNameFile, error)) {
     return fail("there are photos of a room '{}' already", new_name);
   }
-  return write_file(folder / kNameFile, new_name);
+  return write_file(folder / kNewNameFile, new_name);
 }
 
 Expected<void> RoomPhotos::remove(const std::string& room) {
@@ -211,29 +221,56 @@ Expected<void> RoomPhotos::set_aside(const std::string& room) {
   std::error_code error;
   const fs::path folder = folder_of(room);
   if (!fs::exists(folder / kNameFile, error)) return {};
-  fs::rename(folder / kNameFile, folder / kAsideFile, error);
-  if (error) return fail("{}: cannot be renamed: {}", folder.string(), error.message());
-  return {};
+  return rename_file(folder / kNameFile, folder / kAsideFile);
+}
+
+// With the lock held.
+Expected<void> RoomPhotos::bring_back_folder(const fs::path& folder, const std::string& room) {
+  taken_bytes_.reset();  // the same picture may be in both folders
+  std::error_code error;
+  const fs::path now = folder_of(room);  // there may be newer ones
+  if (fs::exists(now / kNameFile, error)) {
+    for (const fs::path& file : entries_of(folder)) {
+      if (file.filename() == kAsideFile) continue;
+      fs::rename(file, now / file.filename(), error);
+    }
+    return remove_folder(folder);
+  }
+  return rename_file(folder / kAsideFile, folder / kNameFile);
 }
 
 Expected<void> RoomPhotos::bring_back(const std::string& room) {
   const std::scoped_lock lock(mutex_);
-  taken_bytes_.reset();  // the same picture may be in both folders
   for (const fs::path& folder : folders_set_aside()) {
     ROOMWISE_TRY(const std::string name, read_text_file(folder / kAsideFile));
-    if (name != room) continue;
+    if (name == room) return bring_back_folder(folder, name);
+  }
+  return {};
+}
+
+Expected<void> RoomPhotos::settle(const home::Home& home) {
+  ROOMWISE_TRY(const auto known, home.rooms());
+  ROOMWISE_TRY(const auto edits, pipeline::stored_edits(home));
+  std::set<std::string> rooms, removed;
+  for (const rooms::Room& room : known) rooms.insert(room.name);
+  for (const pipeline::StoredEdit& edit : edits) {
+    if (edit.kind == pipeline::EditKind::kRemoveRoom) removed.insert(edit.change.room);
+  }
+  const std::scoped_lock lock(mutex_);
+  for (const fs::path& folder : folders_set_aside()) {
+    ROOMWISE_TRY(const std::string name, read_text_file(folder / kAsideFile));
+    if (!removed.contains(name)) ROOMWISE_RETURN_IF_ERROR(bring_back_folder(folder, name));
+  }
+  for (const fs::path& folder : entries_of(folder_)) {
     std::error_code error;
-    const fs::path now = folder_of(room);  // there may be newer ones
-    if (fs::exists(now / kNameFile, error)) {
-      for (const fs::path& file : entries_of(folder)) {
-        if (file.filename() == kAsideFile) continue;
-        fs::rename(file, now / file.filename(), error);
-      }
-      return remove_folder(folder);
+    if (!fs::exists(folder / kNewNameFile, error)) continue;
+    ROOMWISE_TRY(const std::string name, read_text_file(folder / kNameFile));
+    ROOMWISE_TRY(const std::string new_name, read_text_file(folder / kNewNameFile));
+    if (rooms.contains(new_name) && !rooms.contains(name)) {
+      ROOMWISE_RETURN_IF_ERROR(rename_file(folder / kNewNameFile, folder / kNameFile));
+    } else {
+      fs::remove(folder / kNewNameFile, error);
     }
-    fs::rename(folder / kAsideFile, folder / kNameFile, error);
-    if (error) return fail("{}: cannot be renamed: {}", folder.string(), error.message());
-    return {};
   }
   return {};
 }
@@ -250,6 +287,18 @@ Expected<void> RoomPhotos::remove_all() {
   const std::scoped_lock lock(mutex_);
   taken_bytes_.reset();
   return remove_folder(folder_);
+}
+
+Expected<pipeline::StoredEdit> undo_edit(home::Home& home, RoomPhotos& photos, home::EditId id) {
+  std::optional<pipeline::StoredEdit> undone;
+  ROOMWISE_RETURN_IF_ERROR(home.atomically([&]() -> Expected<void> {
+    ROOMWISE_TRY(undone, pipeline::undo_edit(home, id));
+    if (undone->kind != pipeline::EditKind::kRenameRoom) return {};
+    return photos.begin_rename(undone->change.room, undone->change.old_name);
+  }));
+  if (undone->kind == pipeline::EditKind::kRemoveRoom)
+    (void)photos.bring_back(undone->change.room);  // else settle() tries again
+  return *std::move(undone);
 }
 
 }  // namespace roomwise::live

@@ -10,6 +10,7 @@
 
 #include "roomwise/live/recording/free_disk_bytes.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/pipeline/stored/stored_edits.h"
 
 namespace roomwise::live {
 
@@ -54,18 +55,24 @@ class RoomPhotos {
   // have it again after it was joined to `kept`.
   [[nodiscard]] Expected<void> check_can_join(const std::string& kept,
                                               const std::string& joined) const;
-  // Where the room has photos.
-  [[nodiscard]] Expected<void> rename(const std::string& room, const std::string& new_name);
+  // Where the room has photos. They are called so once settle() finds that the room is.
+  [[nodiscard]] Expected<void> begin_rename(const std::string& room, const std::string& new_name);
   [[nodiscard]] Expected<void> remove(const std::string& room);
   // Keeps them where nothing finds them, until they are brought back or forgotten.
   [[nodiscard]] Expected<void> set_aside(const std::string& room);
   [[nodiscard]] Expected<void> bring_back(const std::string& room);
+  // After a change of the home's rooms, whether it was stored or not, and where a program may have
+  // been killed in one: new names hold where the rooms have them, else they are dropped, and photos
+  // come back that were set aside with a room that no change takes out.
+  [[nodiscard]] Expected<void> settle(const home::Home& home);
   [[nodiscard]] Expected<void> forget_set_aside();
   [[nodiscard]] Expected<void> remove_all();
 
  private:
   [[nodiscard]] std::filesystem::path folder_of(const std::string& room) const;
   [[nodiscard]] std::vector<std::filesystem::path> folders_set_aside() const;
+  [[nodiscard]] Expected<void> bring_back_folder(const std::filesystem::path& folder,
+                                                 const std::string& room);
   [[nodiscard]] Expected<std::vector<pipeline::RoomPhoto>> read_all() const;
   [[nodiscard]] Expected<void> check_room_for(std::uint64_t bytes);
 
@@ -74,5 +81,9 @@ class RoomPhotos {
   std::optional<std::uint64_t> taken_bytes_;  // of all photos; none: to be counted anew
   mutable std::mutex mutex_;
 };
+
+// pipeline::undo_edit(); settle() is to follow.
+[[nodiscard]] Expected<pipeline::StoredEdit> undo_edit(home::Home& home, RoomPhotos& photos,
+                                                       home::EditId id);
 
 }  // namespace roomwise::live

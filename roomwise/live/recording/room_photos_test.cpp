@@ -6,6 +6,8 @@
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/image/testing/exif_writer.h"
+#include "roomwise/pipeline/edits/edit_rooms.h"
+#include "roomwise/pipeline/edits/undo_edit.h"
 
 namespace roomwise::live {
 namespace {
@@ -19,8 +21,20 @@ Bytes photo(std::uint8_t level, int side_px = 200) {
 
 class RoomPhotosFolder : public ::testing::Test {
  protected:
+  void SetUp() override { make_rooms({"kitchen", "hall", "bath"}); }
+  void make_rooms(const std::vector<std::string>& names) {
+    std::vector<rooms::Room> rooms;
+    for (const std::string& name : names) rooms.push_back({name, "kitchen"});
+    ASSERT_OK(flat.replace_rooms(rooms));
+  }
+  Expected<void> rename(const std::string& room, const std::string& new_name) {
+    ROOMWISE_RETURN_IF_ERROR(photos.begin_rename(room, new_name));
+    make_rooms({new_name});
+    return photos.settle(flat);
+  }
   testing::ScratchFolder folder;
   RoomPhotos photos{folder / "photos"};
+  home::Home flat = home::Home::create(folder / "a.home").value();
 };
 
 TEST_F(RoomPhotosFolder, AreCountedByRoomAndKeptWhenTheComputerStops) {
@@ -84,9 +98,9 @@ TEST_F(RoomPhotosFolder, LeaveSomeOfTheDiskFree) {
 TEST_F(RoomPhotosFolder, AreRenamedAndRemovedWithTheirRoom) {
   EXPECT_TRUE(photos.add("kitchen", photo(1)));
   EXPECT_TRUE(photos.add("hall", photo(2)));
-  ASSERT_OK(photos.rename("kitchen", "galley"));
-  ASSERT_OK(photos.rename("nowhere", "anywhere"));
-  EXPECT_ERROR(photos.rename("galley", "hall"), "already");
+  ASSERT_OK(rename("kitchen", "galley"));
+  ASSERT_OK(rename("nowhere", "anywhere"));
+  EXPECT_ERROR(rename("galley", "hall"), "already");
   EXPECT_THAT(photos.counts().value(),
               ElementsAre(RoomPhotos::Count{"galley", 1}, RoomPhotos::Count{"hall", 1}));
   ASSERT_OK(photos.remove("galley"));
@@ -97,13 +111,38 @@ TEST_F(RoomPhotosFolder, AreRenamedAndRemovedWithTheirRoom) {
 
 TEST_F(RoomPhotosFolder, ANameThatARoomGaveUpCanBeGivenAgain) {
   EXPECT_TRUE(photos.add("kitchen", photo(1)));
-  ASSERT_OK(photos.rename("kitchen", "galley"));
+  ASSERT_OK(rename("kitchen", "galley"));
   EXPECT_TRUE(photos.add("kitchen", photo(2)));
   EXPECT_EQ(photos.add("galley", photo(3)).value(), 2U);
   EXPECT_THAT(photos.counts().value(),
               ElementsAre(RoomPhotos::Count{"galley", 2}, RoomPhotos::Count{"kitchen", 1}));
   ASSERT_OK(photos.remove("galley"));
   EXPECT_THAT(photos.counts().value(), ElementsAre(RoomPhotos::Count{"kitchen", 1}));
+}
+
+// As where the computer stops between the change of the home and that of the photos.
+TEST_F(RoomPhotosFolder, FollowTheRoomsThatTheHomeHas) {
+  for (const std::string room : {"kitchen", "hall", "bath"}) {
+    EXPECT_TRUE(photos.add(room, photo(1)));
+  }
+  ASSERT_OK(photos.begin_rename("kitchen", "galley"));
+  ASSERT_OK(photos.begin_rename("hall", "corridor"));
+  ASSERT_OK(photos.set_aside("bath"));
+  EXPECT_THAT(photos.counts().value(),
+              ElementsAre(RoomPhotos::Count{"hall", 1}, RoomPhotos::Count{"kitchen", 1}));
+  ASSERT_OK(pipeline::rename_room(flat, {}, "kitchen", "galley"));
+  const home::EditId removal = pipeline::remove_room(flat, {}, "bath").value();
+  RoomPhotos later(folder / "photos");
+  ASSERT_OK(later.settle(flat));
+  EXPECT_THAT(later.counts().value(),
+              ElementsAre(RoomPhotos::Count{"galley", 1}, RoomPhotos::Count{"hall", 1}));
+  ASSERT_OK(pipeline::undo_edit(flat, removal));
+  ASSERT_OK(pipeline::rename_room(flat, {}, "hall", "corridor"));
+  ASSERT_OK(later.settle(flat));
+  EXPECT_THAT(later.counts().value(),
+              ElementsAre(RoomPhotos::Count{"bath", 1}, RoomPhotos::Count{"galley", 1},
+                          RoomPhotos::Count{"hall", 1}))
+      << "a name that was dropped is not given later";
 }
 
 TEST_F(RoomPhotosFolder, ThereAreEnoughAtSomeNumber) {

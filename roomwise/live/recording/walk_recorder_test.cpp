@@ -1,10 +1,8 @@
 #include "roomwise/live/recording/walk_recorder.h"
 
 #include <gmock/gmock.h>
-#include <sys/resource.h>
 
-#include <csignal>
-
+#include "roomwise/base/testing/full_disk.h"
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/live/recording/walk_frames.h"
@@ -122,15 +120,10 @@ TEST_F(WalkRecorderFolder, AWalkThatCannotBeReadComesToItsEndAndCanBeStopped) {
 // A file may grow no further, as on a full disk.
 TEST_F(WalkRecorderFolder, OnAFullDiskWhatWasStoredStays) {
   ASSERT_OK(recorder->store(phone_frame(1, {0, 0, 0})));
-  struct rlimit before {};
-  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
-  const auto ignored = std::signal(SIGXFSZ, SIG_IGN);
-  rlimit full = before;
-  full.rlim_cur = 150;  // holds lines, and no image
-  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &full), 0);
-  const auto failed = recorder->store(phone_frame(2, {0, 0, 1}));
-  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
-  std::signal(SIGXFSZ, ignored);
+  const auto failed = [&] {
+    const testing::FullDisk full(150);  // holds lines, and no image
+    return recorder->store(phone_frame(2, {0, 0, 1}));
+  }();
   EXPECT_ERROR(failed, "free some space");
   EXPECT_EQ(failed.error().code, ErrorCode::kDiskFull);
   EXPECT_EQ(stored().size(), 1U);
