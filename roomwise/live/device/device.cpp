@@ -842,6 +842,9 @@ void Device::store(const CameraFrame& frame) {
   {
     const std::scoped_lock lock(mutex_);
     failed_before = std::exchange(storing_fails_, !stored);
+    const bool is_closed = stored && !*stored;
+    if (is_closed && recorder_ == recorder) recorder_.reset();
+    if (is_closed) return;  // whoever closed it told so
   }
   if (!stored && failed_before) return;
   if (!stored) host_.not_recorded(stored.error());

@@ -1228,6 +1228,9 @@ TEST_F(DeviceTest, RoomsAreNamedWhileAWalkIsRecorded) {
   show(3);  // not again with every frame
   EXPECT_THAT(host.recordings, SizeIs(1));
   EXPECT_THAT(host.not_stored, SizeIs(1));
+  ASSERT_OK((*recorder)->close());
+  show(4);
+  EXPECT_THAT(host.recordings, SizeIs(1)) << "whoever closed it told so";
 }
 
 }  // namespace

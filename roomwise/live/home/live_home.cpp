@@ -192,6 +192,12 @@ mapping::LensCalibration LiveHome::lens_of(const Device& device) const {
 }
 
 void LiveHome::recorded(const Device& device, const service::RecordingState& state) {
+  const std::scoped_lock one_by_one(telling_mutex_);
+  {
+    const std::scoped_lock lock(devices_mutex_);
+    // Of a frame that was in hand when the recording ended nothing is told after the end.
+    if (!recorder_ || recorder_->name() != state.name) return;
+  }
   tell_of_recording(device.who().device, state);
 }
 

@@ -349,6 +349,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   std::set<std::shared_ptr<Device>> devices_;
   std::shared_ptr<WalkRecorder> recorder_;
   std::int64_t recording_device_ = 0;
+  std::mutex telling_mutex_;  // what is told of the recording, its end last
 
   mutable HomeMeters meters_;  // counts also what only looks at the home
   RecognitionLog recognitions_;

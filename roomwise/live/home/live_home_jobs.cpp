@@ -252,9 +252,12 @@ Expected<void> LiveHome::end_recording() {
     if (device->who().device == recorded) device->record_to(nullptr);
   }
   const Expected<void> closed = recorder->close();
-  tell_of_recording(
-      recorded, service::RecordingState{recorded, closed ? "saved" : "failed", recorder->name(),
-                                        recorder->frames(), closed ? "" : closed.error().message});
+  {
+    const std::scoped_lock one_by_one(telling_mutex_);
+    tell_of_recording(recorded, service::RecordingState{recorded, closed ? "saved" : "failed",
+                                                        recorder->name(), recorder->frames(),
+                                                        closed ? "" : closed.error().message});
+  }
   ROOMWISE_RETURN_IF_ERROR(closed);
   const bool is_being_mapped = jobs_->running() && jobs_->state()->kind == "map";
   return is_being_mapped ? Expected<void>() : start_mapping(recorder->folder());

@@ -4,6 +4,7 @@
 #include <zip.h>
 
 #include <algorithm>
+#include <atomic>
 #include <fstream>
 #include <future>
 #include <nlohmann/json.hpp>
@@ -816,6 +817,26 @@ TEST_F(LiveHomeTest, TheWearerIsToldOfTheRecording) {
   EXPECT_EQ(other.wire->count<service::RecordingState>(), 0) << "it is nobody else's business";
   other.session->on_closed();
   belt.session->on_closed();
+}
+
+TEST_F(LiveHomeTest, NothingIsToldOfARecordingAfterItsEnd) {
+  open();
+  const Client belt = connect(7, service::Role::kDevice);
+  ASSERT_OK(home->begin_recording(7, "walk"));
+  // It ends while a frame that cannot be stored is in hand.
+  std::atomic<bool> has_ended = false;
+  on_log = [&](std::string_view) {
+    if (!has_ended.exchange(true)) EXPECT_OK(home->end_recording());
+  };
+  image::RgbdFrame frame = walk.next().value().value();
+  frame.depth = {};
+  belt.session->on_message(write(service::FrameMessage{
+      static_cast<double>(frame.timestamp_ns) / 1e6, image::encode_jpeg(frame.color, 95), {}}));
+  EXPECT_TRUE(has_ended);
+  EXPECT_EQ(belt.wire->next<service::RecordingState>().state, "saved");
+  EXPECT_EQ(belt.wire->count<service::RecordingState>(), 0);
+  belt.session->on_closed();
+  home.reset();
 }
 
 TEST_F(LiveHomeTest, HelpersAreToldOfJobsAndDevices) {

@@ -26,15 +26,15 @@ Expected<std::shared_ptr<WalkRecorder>> WalkRecorder::begin(const std::filesyste
       new WalkRecorder(folder, *camera.calibrated, std::move(writer), begun_ns));
 }
 
-Expected<void> WalkRecorder::store(const CameraFrame& frame) {
+Expected<bool> WalkRecorder::store(const CameraFrame& frame) {
   const std::scoped_lock lock(mutex_);
-  if (closed_) return {};
+  if (closed_) return false;
   if (std::exchange(may_begin_anew_, false) && last_t_ms_ && frame.t_ms <= *last_t_ms_) {
     const double between_ms = std::max(1.0, 1e3 * seconds_since(last_came_));
     *first_t_ms_ += frame.t_ms - *last_t_ms_ - between_ms;
     last_t_ms_.reset();
   }
-  if (last_t_ms_ && frame.t_ms <= *last_t_ms_) return {};
+  if (last_t_ms_ && frame.t_ms <= *last_t_ms_) return true;
   if (frame.depth.empty()) return fail("the frame has no depth image; a map needs one");
   image::RgbdFrame rgbd;
   rgbd.index = writer_->frames_written();
@@ -57,7 +57,7 @@ Expected<void> WalkRecorder::store(const CameraFrame& frame) {
   last_t_ms_ = frame.t_ms;
   last_came_ = std::chrono::steady_clock::now();
   grown_.notify_all();
-  return {};
+  return true;
 }
 
 void WalkRecorder::device_came_anew() {

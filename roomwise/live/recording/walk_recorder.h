@@ -26,10 +26,10 @@ class WalkRecorder {
       TimestampNs begun_ns);
 
   // Stores a frame before it returns, as the hello's camera takes it (images_of()) and with what
-  // the device knew of its motion; frames that are not newer than the last are left out. Fails on
-  // pictures that cannot be read and on a full disk; the frame is then not stored, the ones before
-  // it are.
-  [[nodiscard]] Expected<void> store(const CameraFrame& frame);
+  // the device knew of its motion; frames that are not newer than the last are left out. False
+  // where the recording is closed. Fails on pictures that cannot be read and on a full disk; the
+  // frame is then not stored, the ones before it are.
+  [[nodiscard]] Expected<bool> store(const CameraFrame& frame);
   // The device has a new connection, and its clock may have begun anew, as a page's does that is
   // loaded again: where the next frame is not newer than the last, the time that passed between
   // them here counts.
