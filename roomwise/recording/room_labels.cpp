@@ -96,13 +96,17 @@ Expected<RoomLabels> RoomLabels::read(const std::filesystem::path& path) {
   return labels;
 }
 
-Expected<void> RoomLabels::write(const std::filesystem::path& path) const {
+std::string RoomLabels::text() const {
   std::string text = "# first_frame last_frame room visit (frames from 0, both ends included)\n";
   for (const RoomRange& range : ranges_) {
     text +=
         fmt::format("{} {} {} {}\n", range.first_frame, range.last_frame, range.room, range.visit);
   }
-  return write_file(path, text);
+  return text;
+}
+
+Expected<void> RoomLabels::write(const std::filesystem::path& path) const {
+  return write_file(path, text());
 }
 
 const RoomRange* RoomLabels::find(std::uint64_t frame) const {

@@ -36,6 +36,7 @@ class RoomLabels {
   [[nodiscard]] static Expected<RoomLabels> from_ranges(std::vector<RoomRange> ranges);
   [[nodiscard]] static Expected<RoomLabels> read(const std::filesystem::path& path);
   [[nodiscard]] Expected<void> write(const std::filesystem::path& path) const;
+  [[nodiscard]] std::string text() const;  // of the file
 
   // The range that holds the frame, or nullptr.
   [[nodiscard]] const RoomRange* find(std::uint64_t frame) const;

@@ -18,6 +18,7 @@ namespace roomwise::recording {
 namespace {
 
 constexpr int kJpegQuality = 95;
+constexpr double kBetweenRooms_s = 5;  // that rooms.txt may be behind
 
 // A new file that is written as it grows. Not write_file(), which waits for the disk: a camera does
 // not wait, and a killed recording needs only what the system took over.
@@ -261,22 +262,26 @@ Expected<void> TumWriter::write(const image::RgbdFrame& frame,
     if (frame.device_motion) motion_->take_back();
     return color_added;
   }
-  note_room_of_next_frame();
+  const bool enters_room = note_room_of_next_frame();
   ++frames_;
   last_timestamp_ns_ = frame.timestamp_ns;
+  const bool is_due = seconds_between(rooms_kept_ns_, last_timestamp_ns_) >= kBetweenRooms_s;
+  // The frame is stored whatever becomes of this; the next one tries again.
+  if (room_ && (enters_room || is_due)) std::ignore = keep_rooms();
   return {};
 }
 
-void TumWriter::note_room_of_next_frame() {
-  if (!room_) return;
+bool TumWriter::note_room_of_next_frame() {
+  if (!room_) return false;
   const bool stays =
       !rooms_.empty() && rooms_.back().room == *room_ && rooms_.back().last_frame + 1 == frames_;
   if (stays) {
     rooms_.back().last_frame = frames_;
-    return;
+    return false;
   }
   const auto visits = std::ranges::count(rooms_, *room_, &RoomRange::room);
   rooms_.push_back({frames_, frames_, *room_, static_cast<int>(visits) + 1});
+  return true;
 }
 
 Expected<void> TumWriter::name_room(std::optional<std::string> room) {
@@ -284,23 +289,35 @@ Expected<void> TumWriter::name_room(std::optional<std::string> room) {
   if (room) ROOMWISE_RETURN_IF_ERROR(validate_room_name(*room));
   if (room == room_) return {};
   room_ = std::move(room);
-  return write_rooms();
+  return keep_rooms();
 }
 
-Expected<void> TumWriter::write_rooms() const {
+// In one piece, and not waiting for the disk (NewFile).
+Expected<void> TumWriter::keep_rooms() {
   if (rooms_.empty()) return {};
   ROOMWISE_TRY(const RoomLabels labels, RoomLabels::from_ranges(rooms_));
-  return labels.write(folder_ / "rooms.txt");
+  const std::filesystem::path file = folder_ / "rooms.txt", part = folder_ / "rooms.txt.part";
+  std::error_code error;
+  std::filesystem::remove(part, error);  // of one that failed
+  ROOMWISE_RETURN_IF_ERROR(NewFile(part).append(labels.text()));
+  std::filesystem::rename(part, file, error);
+  if (error) return fail("{}: cannot be put in place: {}", file.string(), error.message());
+  rooms_kept_ns_ = last_timestamp_ns_;
+  return {};
 }
 
 Expected<void> TumWriter::close() {
   if (color_list_ == nullptr) return {};
-  const auto colors = std::exchange(color_list_, nullptr);
-  const auto depths = std::exchange(depth_list_, nullptr);
-  ROOMWISE_RETURN_IF_ERROR(write_rooms());
+  if (!rooms_.empty()) {
+    ROOMWISE_TRY(const RoomLabels labels, RoomLabels::from_ranges(rooms_));
+    ROOMWISE_RETURN_IF_ERROR(labels.write(folder_ / "rooms.txt"));
+  }
   if (motion_ != nullptr) ROOMWISE_RETURN_IF_ERROR(motion_->flush_to_disk());
-  ROOMWISE_RETURN_IF_ERROR(depths->flush_to_disk());
-  return colors->flush_to_disk();
+  ROOMWISE_RETURN_IF_ERROR(depth_list_->flush_to_disk());
+  ROOMWISE_RETURN_IF_ERROR(color_list_->flush_to_disk());
+  depth_list_.reset();
+  color_list_.reset();
+  return {};
 }
 
 }  // namespace roomwise::recording

@@ -42,11 +42,12 @@ class TumWriter final : public FrameSink {
   // `covariance`: of the frame's device motion; kept behind its pose, for who reads the file.
   [[nodiscard]] Expected<void> write(const image::RgbdFrame& frame,
                                      const std::optional<PoseCovariance>& covariance);
+  // One that failed can be tried again.
   [[nodiscard]] Expected<void> close() override;
 
   // From the next frame on the recording shows `room` (absent: no named room). Each time a room is
   // entered begins its next visit; naming the room that one is in already changes nothing.
-  // rooms.txt is brought up to date here and by close().
+  // rooms.txt is brought up to date here, as a visit begins, every few seconds and by close().
   [[nodiscard]] Expected<void> name_room(std::optional<std::string> room);
 
   [[nodiscard]] std::uint64_t frames_written() const { return frames_; }
@@ -57,8 +58,9 @@ class TumWriter final : public FrameSink {
 
   TumWriter(std::filesystem::path folder, const geometry::PinholeCamera& camera);
   [[nodiscard]] Expected<void> check(const image::RgbdFrame& frame) const;
-  [[nodiscard]] Expected<void> write_rooms() const;
-  void note_room_of_next_frame();
+  [[nodiscard]] Expected<void> keep_rooms();
+  // Whether a visit begins with it.
+  bool note_room_of_next_frame();
 
   std::filesystem::path folder_;
   geometry::PinholeCamera camera_;
@@ -68,6 +70,7 @@ class TumWriter final : public FrameSink {
   TimestampNs last_timestamp_ns_ = 0;
   std::optional<std::string> room_;  // that the next frame shows
   std::vector<RoomRange> rooms_;     // of the frames written
+  TimestampNs rooms_kept_ns_ = 0;    // the last frame of rooms.txt
 };
 
 }  // namespace roomwise::recording

@@ -2,11 +2,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
-
-#include <csignal>
 
 #include "roomwise/base/file.h"
+#include "roomwise/base/testing/full_disk.h"
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/image/testing/exif_writer.h"
@@ -15,6 +13,7 @@
 namespace roomwise::recording {
 namespace {
 
+using roomwise::testing::FullDisk;
 using roomwise::testing::ScratchFolder;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -24,7 +23,7 @@ const geometry::PinholeCamera kCamera{7, 7, 4, 3, 8, 6, {0.1, 0, 0, 0, 0.5}, 500
 image::RgbdFrame raw_frame(int number) {
   image::RgbdFrame frame;
   frame.index = static_cast<std::uint64_t>(100 + number);  // the writer counts for itself
-  frame.timestamp_ns = 1'000'000'000 + number * 33'333'333;
+  frame.timestamp_ns = 1'000'000'000 + TimestampNs{number} * 33'333'333;
   frame.color =
       image::ColorImage(kCamera.width, kCamera.height, {static_cast<std::uint8_t>(number), 50, 90});
   frame.depth =
@@ -177,6 +176,32 @@ TEST_F(TumWriterFolder, NumbersTheVisitsOfRooms) {
                           RoomRange{7, 7, "hall", 2}, RoomRange{9, 9, "hall", 3}));
 }
 
+TEST_F(TumWriterFolder, AKillLosesTheRoomsOfAFewSecondsAtMost) {
+  const auto rooms = [&] { return RoomLabels::read(folder_ / "rooms.txt").value().ranges(); };
+  ASSERT_OK(writer_->name_room("hall"));
+  ASSERT_OK(writer_->write(raw_frame(0)));
+  EXPECT_THAT(rooms(), ElementsAre(RoomRange{0, 0, "hall", 1})) << "as the visit begins";
+  int last = 0;
+  while (rooms().back().last_frame == 0) {
+    ASSERT_OK(writer_->write(raw_frame(++last)));
+    ASSERT_LE(last, 200);
+  }
+  EXPECT_EQ(rooms().back().last_frame, static_cast<std::uint64_t>(last));
+  EXPECT_GT(last, 100) << "not with every frame";
+}
+
+TEST_F(TumWriterFolder, AClosingThatFailedIsTriedAgain) {
+  ASSERT_OK(writer_->name_room("hall"));
+  for (int i = 0; i < 3; ++i) ASSERT_OK(writer_->write(raw_frame(i)));
+  {
+    const FullDisk full(10);
+    EXPECT_FALSE(writer_->close());
+  }
+  ASSERT_OK(writer_->close());
+  EXPECT_THAT(RoomLabels::read(folder_ / "rooms.txt")->ranges(),
+              ElementsAre(RoomRange{0, 2, "hall", 1}));
+}
+
 TEST_F(TumWriterFolder, RefusesWhatCouldNotBeReadBack) {
   ASSERT_OK(writer_->write(raw_frame(3)));
   EXPECT_ERROR(writer_->write(raw_frame(3)), "does not increase");
@@ -201,26 +226,6 @@ TEST_F(TumWriterFolder, RefusesAFolderThatIsNotEmpty) {
   ASSERT_OK(write_file(scratch_ / "file", "text"));
   EXPECT_ERROR(TumWriter::create(scratch_ / "file", kCamera), (scratch_ / "file").string());
 }
-
-// While it lives no file may grow beyond `bytes`: to the writer that is a full disk.
-class FullDisk {
- public:
-  explicit FullDisk(rlim_t bytes) : old_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &old_limit_);
-    const rlimit limit{bytes, old_limit_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FullDisk() {
-    setrlimit(RLIMIT_FSIZE, &old_limit_);
-    std::signal(SIGXFSZ, old_handler_);
-  }
-  FullDisk(const FullDisk&) = delete;
-  FullDisk& operator=(const FullDisk&) = delete;
-
- private:
-  rlimit old_limit_{};
-  void (*old_handler_)(int);
-};
 
 TEST_F(TumWriterFolder, StaysValidWhenAnImageFindsTheDiskFull) {
   ASSERT_OK(writer_->write(raw_frame(0)));

@@ -73,7 +73,6 @@ Expected<void> WalkRecorder::name_room(const std::string& room) {
 
 Expected<void> WalkRecorder::close() {
   const std::scoped_lock lock(mutex_);
-  if (closed_) return {};
   closed_ = true;
   grown_.notify_all();
   return writer_->close();

@@ -36,7 +36,7 @@ class WalkRecorder {
   void device_came_anew();
   // What is stored from now on shows this room.
   [[nodiscard]] Expected<void> name_room(const std::string& room);
-  [[nodiscard]] Expected<void> close();
+  [[nodiscard]] Expected<void> close();  // one that failed can be tried again
 
   [[nodiscard]] std::uint64_t frames() const;
   // Waits until the frame of that number is stored. False where none will be: the recording is
