@@ -230,8 +230,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
                                          Progress& progress);
   // Learns what is usual where that is not known, then looks on the newest walk; false where the
   // home does not tell what is usual yet. With home_mutex_ held.
-  [[nodiscard]] Expected<bool> look_for_own_things(
-      Progress& progress, std::shared_ptr<pipeline::LostPictures> lost = nullptr);
+  [[nodiscard]] Expected<bool> look_for_own_things(Progress& progress);
   // That of the view, or a new one where things or key-frames are others. With home_mutex_ held.
   [[nodiscard]] Expected<std::shared_ptr<const pipeline::OwnThingWatch>> own_thing_watch() const;
 

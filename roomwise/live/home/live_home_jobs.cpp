@@ -139,7 +139,7 @@ Expected<JobEnd> LiveHome::fuse_clouds(const LiveMap& ready, Progress& progress)
   // A new walk may show what was taught.
   const bool is_looked_for = view()->own_things.empty() || view()->own_thing_watch != nullptr;
   if (!is_looked_for) {
-    ROOMWISE_RETURN_IF_ERROR(look_for_own_things(progress, lost_pictures_).map([](bool) {}));
+    ROOMWISE_RETURN_IF_ERROR(look_for_own_things(progress).map([](bool) {}));
   }
   return JobEnd{"places can be found on the map now", "prepared"};
 }

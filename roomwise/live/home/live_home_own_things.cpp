@@ -188,14 +188,21 @@ Expected<bool> LiveHome::teach_now(const home::OwnThing& thing,
   const std::scoped_lock lock(home_mutex_);
   ROOMWISE_RETURN_IF_ERROR(
       pipeline::teach_own_thing(home_, thing, shown, networks_).map([](home::OwnThingId) {}));
-  return look_for_own_things(progress);
+  const Expected<bool> looked = look_for_own_things(progress);
+  if (looked) return looked;
+  // It is known all the same, and looked for with the next walk.
+  if (looked.error().code != ErrorCode::kInterrupted) {
+    meters_.failed("looking for a thing", looked.error());
+  }
+  ROOMWISE_RETURN_IF_ERROR(refresh(view()->map));
+  return false;
 }
 
 // With home_mutex_ held.
-Expected<bool> LiveHome::look_for_own_things(Progress& progress,
-                                             std::shared_ptr<pipeline::LostPictures> lost) {
+Expected<bool> LiveHome::look_for_own_things(Progress& progress) {
+  if (!lost_pictures_) begin_lost_pictures();
   pipeline::OwnRunContext run(options_.threads, progress);
-  run.lost = std::move(lost);
+  run.lost = lost_pictures_;
   ROOMWISE_TRY(const pipeline::OwnThingLook look,
                pipeline::look_for_own_things(home_, networks_, finders_.in_pictures, run));
   ROOMWISE_RETURN_IF_ERROR(refresh(view()->map));

@@ -1266,32 +1266,42 @@ Bytes message_of_thing(const geometry::PinholeCamera& camera, double t_ms) {
   return write(service::FrameMessage{t_ms, color, {}});
 }
 
-TEST_F(LiveHomeTest, AThingIsTaughtToldToItsOwnerAloneSharedAndForgotten) {
-  open();
-  const Client anna = connect(7, service::Role::kDevice), ben = connect(8, service::Role::kDevice);
-  std::int64_t id = 0;
-  const auto ask = [&](const Client& client, service::Question question, std::string subject = "",
-                       bool is_private = false) {
+class Teaching : public LiveHomeTest {
+ protected:
+  service::PromptMessage ask(const Client& client, service::Question question,
+                             std::string subject = "", bool is_private = false) {
     service::Ask asked{++id, 60'000, question, std::move(subject)};
     asked.is_private = is_private;
     client.session->on_text(write(service::DeviceMessage(asked)));
     return client.wire->next<service::PromptMessage>(
         [&](const auto& prompt) { return prompt.answer_to == id; });
-  };
-  const auto is_message = [](const std::string& message) {
+  }
+  // Up to its name.
+  void teach(const Client& client, const std::string& name) {
+    EXPECT_EQ(ask(client, service::Question::kTeachThing).message, "teach.begin");
+    for (int i = 0; i < 10; ++i) {
+      client.session->on_message(message_of_thing(walk.info().camera, t_ms += 1000));
+      // Answered once the picture has been looked at.
+      EXPECT_EQ(ask(client, service::Question::kWhichRooms).message, "rooms.count");
+    }
+    EXPECT_EQ(ask(client, service::Question::kNameThing, name, true).message, "teach.learning");
+  }
+  static std::function<bool(const service::PromptMessage&)> is_message(const std::string& message) {
     return [message](const service::PromptMessage& prompt) { return prompt.message == message; };
-  };
+  }
+
+  std::int64_t id = 0;
+  double t_ms = 0;  // of the last picture
+};
+
+TEST_F(Teaching, AThingIsTaughtToldToItsOwnerAloneSharedAndForgotten) {
+  open();
+  const Client anna = connect(7, service::Role::kDevice), ben = connect(8, service::Role::kDevice);
   const auto where = [&](const Client& client) {
     return ask(client, service::Question::kInWords, "where is my mug").message;
   };
 
-  EXPECT_EQ(ask(anna, service::Question::kTeachThing).message, "teach.begin");
-  for (int i = 0; i < 10; ++i) {
-    anna.session->on_message(message_of_thing(walk.info().camera, 1000.0 * (i + 1)));
-    // Answered once the picture has been looked at.
-    EXPECT_EQ(ask(anna, service::Question::kWhichRooms).message, "rooms.count");
-  }
-  EXPECT_EQ(ask(anna, service::Question::kNameThing, "my mug", true).message, "teach.learning");
+  teach(anna, "my mug");
   // Without a walk nobody knows what is usual here.
   anna.wire->next<service::PromptMessage>(is_message("teach.no_walk"));
   home->jobs().wait();
@@ -1309,6 +1319,41 @@ TEST_F(LiveHomeTest, AThingIsTaughtToldToItsOwnerAloneSharedAndForgotten) {
   EXPECT_EQ(ask(anna, service::Question::kInWords, "forget my mug").message, "own.forgotten");
   EXPECT_EQ(where(anna), "where.unknown");
   EXPECT_THAT(bytes_of_home(), Not(HasSubstr("my mug")));
+}
+
+TEST_F(Teaching, AThingIsKnownAlsoWhereLookingForItIsStopped) {
+  open();
+  record_the_walk();
+  const Client anna = connect(7, service::Role::kDevice);
+  on_log = [&](std::string_view line) {
+    if (line.starts_with("job teach: begun")) home->jobs().stop();
+  };
+  teach(anna, "my mug");
+  anna.wire->next<service::PromptMessage>(is_message("teach.no_walk"));
+  home->jobs().wait();
+  EXPECT_EQ(home->jobs().state()->message, "taught_for_later");
+  EXPECT_EQ(ask(anna, service::Question::kInWords, "where is my mug").message, "where.not_seen");
+  home.reset();
+}
+
+TEST_F(Teaching, ThingsAreLookedForThoughAPictureOfTheMapCannotBeReadAgain) {
+  open();
+  record_the_walk();
+  home.reset();
+  ASSERT_OK(home::Home::open(file)->database().run(
+      "UPDATE keyframe_images SET color = x'00' WHERE keyframe_id = 0"));
+  open();
+  home->jobs().wait();
+  const Client anna = connect(7, service::Role::kDevice);
+  for (const std::string name : {"my mug", "my bag"}) {
+    teach(anna, name);
+    anna.wire->next<service::PromptMessage>(is_message("teach.taught"));
+    home->jobs().wait();
+  }
+  EXPECT_TRUE(home->view()->own_thing_watch);
+  EXPECT_EQ(ask(anna, service::Question::kForgetThing, "my bag").message, "own.forgotten");
+  home->jobs().wait();
+  EXPECT_TRUE(home->view()->own_thing_watch);
 }
 
 TEST_F(LiveHomeTest, APlaceIsMarkedLedToToldToItsOwnerAloneAndForgotten) {
