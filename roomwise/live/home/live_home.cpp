@@ -181,7 +181,13 @@ void LiveHome::saw(const Device& device, const FrameResult& result) {
   if (result.lens) lenses_->learn(device.who().device, device.camera()->lens, *result.lens);
   const service::DeviceSeen seen = device.seen();
   if (seen.seen && result.decision) {
-    recognitions_.add(device.who(), options_.clock(), *seen.seen, result.picture);
+    const std::int64_t now_s = options_.clock();
+    const std::scoped_lock lock(view_mutex_);
+    // None of a room that was forgotten while it was looked at.
+    const bool is_there =
+        seen.seen->room.empty() ||
+        std::ranges::find(view_->rooms, seen.seen->room, &rooms::Room::name) != view_->rooms.end();
+    if (is_there) recognitions_.add(device.who(), now_s, *seen.seen, result.picture);
   }
   tell_helpers(seen);
 }

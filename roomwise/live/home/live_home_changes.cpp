@@ -102,6 +102,7 @@ Expected<void> LiveHome::erase_now() {
     const bool has_taken_walks = !view()->walks_taken_away().empty();
     ROOMWISE_RETURN_IF_ERROR(
         refresh(has_taken_walks ? nullptr : view()->map));  // the map was made of it
+    recognitions_.clear();                                  // what came meanwhile may, too
     return done;
   });
 }
@@ -143,12 +144,14 @@ Expected<void> LiveHome::while_idle(const std::function<Expected<void>()>& forge
 Expected<void> LiveHome::forget_room(const std::string& name, const std::string& by) {
   return while_idle([&] {
     recognitions_.clear();  // their pictures may show it
-    return change([&](home::Home& home) {
+    Expected<void> forgotten = change([&](home::Home& home) {
       return home.atomically([&]() -> Expected<void> {
         ROOMWISE_RETURN_IF_ERROR(pipeline::remove_room(home, author(by), name));
         return photos_->set_aside(name);  // settle_photos() has them back where that is not stored
       });
     });
+    recognitions_.clear();  // what came meanwhile may, too
+    return forgotten;
   });
 }
 

@@ -91,6 +91,10 @@ class LiveHomeTest : public ::testing::Test {
   void open() {
     LiveHomeOptions options;
     options.work_places = work_places;
+    options.clock = [this] {
+      if (const auto now = on_clock.exchange(nullptr)) (*now)();
+      return std::int64_t{0};
+    };
     options.log = [this](std::string_view line) {
       if (on_log) on_log(line);
       const std::scoped_lock lock(log_mutex);
@@ -176,6 +180,7 @@ class LiveHomeTest : public ::testing::Test {
   std::mutex log_mutex;
   std::vector<std::string> logged;
   std::function<void(std::string_view)> on_log;
+  std::atomic<const std::function<void()>*> on_clock = nullptr;  // when it is next asked the time
   std::shared_ptr<WorkPlaces> work_places = std::make_shared<WorkPlaces>(1);
   std::unique_ptr<LiveHome> home;  // last: it logs to its end
 };
@@ -532,6 +537,28 @@ TEST_F(LiveHomeTest, EverythingThatIsForgottenLeavesNothingInTheFiles) {
   EXPECT_FALSE(holds(depth));
   EXPECT_FALSE(holds("first walk"));
   EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks"));
+}
+
+TEST_F(LiveHomeTest, OfARoomThatIsForgottenNoPictureIsKept) {
+  open();
+  record_the_walk();
+  learn_two_rooms();
+  const Client page = connect(1, service::Role::kHelper);
+  const Client belt = connect(7, service::Role::kDevice);
+  const auto look = [&] {
+    belt.session->on_message(message_of(*pipeline::testing::SyntheticWalk(kFrames).next().value()));
+    return page.wire
+        ->next<service::DeviceSeen>([](const service::DeviceSeen& one) { return bool(one.seen); })
+        .seen->room;
+  };
+  // While the change is made.
+  const std::function<void()> meanwhile = [&] { EXPECT_EQ(look(), "kitchen"); };
+  on_clock = &meanwhile;
+  ASSERT_OK(home->forget_room("kitchen"));
+  EXPECT_EQ(on_clock.load(), nullptr);
+  EXPECT_THAT(home->recognitions().newest_first(), IsEmpty());
+  belt.session->on_closed();
+  page.session->on_closed();
 }
 
 TEST_F(LiveHomeTest, ThingsAreCorrectedAndRemoved) {
