@@ -103,6 +103,20 @@ TEST(CommandLine, APathThatMayNotBeLookedAtIsToldAsSuch) {
   EXPECT_THAT(told.errors, Not(HasSubstr("internal error")));
 }
 
+TEST(CommandLine, WhatWouldHaveNoEffectIsWrongUsage) {
+  const auto refused = [](Words words, const Words& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    expect_failure(run_roomwise(words), 2, more.front());
+  };
+  const Words device{"device", "--server", "flat.local:8443"};
+  refused(device, {"--rate", "5", "--camera"});
+  refused(device, {"--calibration", "a", "--recording", "walk"});
+  refused(device, {"--calibration", "a"});
+  const Words map{"map", "walk", "--home", "a.home", "--no-networks"};
+  refused(map, {"--labels", "a"});
+  refused(map, {"--network-precision", "float"});
+}
+
 TEST(CommandLine, TellsItsVersion) {
   const ProgramResult version = run_roomwise({"--version"});
   EXPECT_EQ(version.exit_code, 0);

@@ -92,13 +92,14 @@ ProgramResult run_program(const std::string& program, const std::vector<std::str
   return result;
 }
 
-RunningProgram start_roomwise(const std::vector<std::string>& arguments) {
+RunningProgram start_roomwise(const std::vector<std::string>& arguments, const std::string& input) {
   std::string errors = (std::filesystem::temp_directory_path() / "roomwise-errors-XXXXXX").string();
   const int errors_file = mkstemp(errors.data());
   std::array<int, 2> output{};
   if (errors_file < 0 || pipe2(output.data(), O_CLOEXEC) != 0) std::abort();
   const pid_t child =
       spawn(ROOMWISE_PROGRAM, arguments, "", [&](posix_spawn_file_actions_t& files) {
+        posix_spawn_file_actions_addopen(&files, STDIN_FILENO, input.c_str(), O_RDONLY, 0);
         posix_spawn_file_actions_adddup2(&files, output[1], STDOUT_FILENO);
         posix_spawn_file_actions_adddup2(&files, errors_file, STDERR_FILENO);
       });

@@ -49,8 +49,10 @@ class RunningProgram {
   std::string errors_file_;
 };
 
-// The same program as run_roomwise() runs, without waiting for its end.
-RunningProgram start_roomwise(const std::vector<std::string>& arguments);
+// The same program as run_roomwise() runs, without waiting for its end. `input`: a file that is its
+// standard input.
+RunningProgram start_roomwise(const std::vector<std::string>& arguments,
+                              const std::string& input = "/dev/null");
 
 // Runs a command that must succeed and returns what it prints with --json.
 nlohmann::json result_of(std::vector<std::string> arguments, const std::string& data_folder = {});

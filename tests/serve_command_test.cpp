@@ -26,8 +26,9 @@ using ::testing::Not;
 // "roomwise serve" as a process of its own, from its first words until it is told to stop.
 class ServeProcess {
  public:
-  explicit ServeProcess(const std::vector<std::string>& arguments)
-      : running_(start_roomwise(arguments)) {
+  explicit ServeProcess(const std::vector<std::string>& arguments,
+                        const std::string& input = "/dev/null")
+      : running_(start_roomwise(arguments, input)) {
     // "https://127.0.0.1:43210 serves ..." to "Ctrl-C stops it."
     for (std::string line; said_.find("Ctrl-C") == std::string::npos;) {
       if (!running_.read_line(line)) break;
@@ -373,6 +374,32 @@ TEST(ServeHouse, AHomeWhoseProcessWasKilledIsAnsweredByAnother) {
   EXPECT_EQ(ask_for_the_bed(elsewhere, paired->credentials), "I know no bed here.");
   EXPECT_EQ(second.end(SIGTERM), 0);
   EXPECT_THAT(second.errors(), HasSubstr("flat-1: opened"));
+}
+
+TEST(ServeHouse, GoesOnWhereNoCodeCanBeMade) {
+  const ScratchFolder folder;
+  std::filesystem::create_directory(folder / "homes");
+  ASSERT_OK(write_file(folder / "enter", std::string_view("\n")));
+  ServeProcess process(serve(folder / "homes", {"--home", "flat-1"}), folder / "enter");
+  EXPECT_THAT(process.next_line(), HasSubstr("No code: "));
+  EXPECT_EQ(process.end(SIGTERM), 0);
+}
+
+TEST(ServeHouse, AFolderThatIsNotThereDoesNotBecomeAHome) {
+  const ScratchFolder folder;
+  for (const auto& of_folder :
+       std::vector<std::vector<std::string>>{{"--accounts", "postgresql://keeper@localhost/homes"},
+                                             {"--passphrases", folder.path().string()},
+                                             {"--proxy", "127.0.0.1"},
+                                             {"--public-address", "homes.example"},
+                                             {"--home", "flat-1"},
+                                             {"--open-homes", "3"},
+                                             {"--close-after", "30"}}) {
+    const ProgramResult result = run_roomwise(serve(folder / "hmes", of_folder));
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.errors, HasSubstr("hmes: is no folder, and " + of_folder[0]));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "hmes"));
 }
 
 TEST(ServeHouse, StaffHaveAccountsWhoseDeedsAreKept) {

@@ -57,10 +57,10 @@ Opened open_live_camera(const LiveCamera& chosen) {
   return fail("'{}' is no camera; expected {}", chosen.source, kLiveCameras);
 }
 
-void add_calibration_option(CLI::App& command, std::filesystem::path& calibration) {
-  command.add_option("--calibration", calibration,
-                     "Of a v4l2 camera: a text file with its colour and depth cameras and how they "
-                     "stand to each other");
+CLI::Option* add_calibration_option(CLI::App& command, std::filesystem::path& calibration) {
+  return command.add_option("--calibration", calibration,
+                            "Of a v4l2 camera: a text file with its colour and depth cameras and "
+                            "how they stand to each other");
 }
 
 }  // namespace roomwise::app

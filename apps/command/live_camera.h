@@ -31,6 +31,6 @@ inline constexpr const char* kLiveCameras =
     const LiveCamera& chosen);
 
 // Declares --calibration.
-void add_calibration_option(CLI::App& command, std::filesystem::path& calibration);
+CLI::Option* add_calibration_option(CLI::App& command, std::filesystem::path& calibration);
 
 }  // namespace roomwise::app

@@ -184,16 +184,18 @@ void make_device_command(CLI::App& command, Context& context, OpenRecording open
                      "Name of this device that helpers see; default: this computer's name");
   auto* recording = command.add_option("--recording", options.recording,
                                        "Folder of a recording, sent as if it were a camera");
-  command
-      .add_flag("--camera{openni2}", options.camera,
-                std::string("The first depth camera that OpenNI 2 finds; --camera=WHICH: ") +
-                    kLiveCameras)
-      ->excludes(recording);
-  add_calibration_option(command, options.calibration);
+  auto* camera =
+      command
+          .add_flag("--camera{openni2}", options.camera,
+                    std::string("The first depth camera that OpenNI 2 finds; --camera=WHICH: ") +
+                        kLiveCameras)
+          ->excludes(recording);
+  add_calibration_option(command, options.calibration)->needs(camera);
   command
       .add_option("--rate", options.rate_hz,
                   "Frames a second of a recording; default: as it was recorded")
-      ->check(positive());
+      ->check(positive())
+      ->needs(recording);
   add_setting(command, "--speak", options.speak,
               "speech-dispatcher, text (lines on standard output), or wav:FILE (a recording "
               "of what would be heard)");

@@ -427,7 +427,9 @@ void add_map_command(CLI::App& app, Context& context) {
       ->add_flag("--no-networks", options.no_networks,
                  "No network looks at the pictures: quicker, but nothing gets a name and no room "
                  "can be learned")
-      ->excludes("--network");
+      ->excludes("--network")
+      ->excludes("--labels")
+      ->excludes("--network-precision");
   command->add_option("--trajectory", options.trajectory,
                       "Also write the walk's trajectory there, in TUM's format");
   options.given_settings = [settings] {

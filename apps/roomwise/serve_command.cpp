@@ -213,10 +213,30 @@ Expected<void> show_code(HomeServer& server, service::Role role, SpokenCodes* sp
   return {};
 }
 
+// A folder that is misspelt, or not mounted, is not to become a new home.
+Expected<void> check_is_for_one_home(const Options& options) {
+  const Options without;
+  const std::pair<const char*, bool> of_folders[] = {
+      {"--home", !options.one.empty()},
+      {"--open-homes", options.open_homes != without.open_homes},
+      {"--close-after", options.close_after_s != without.close_after_s},
+      {"--proxy", !options.proxies.empty()},
+      {"--public-address", !options.public_address.empty()},
+      {"--passphrases", !options.passphrases.empty()},
+      {"--accounts", !options.accounts.empty()}};
+  for (const auto& [name, is_given] : of_folders) {
+    if (is_given) {
+      return fail("{}: is no folder, and {} is for a folder of homes", options.home.string(), name);
+    }
+  }
+  return {};
+}
+
 Expected<Answer> serve(const Options& options, Context& context) {
   ROOMWISE_RETURN_IF_ERROR(check_pages(options));
   std::error_code none;
   if (fs::is_directory(options.home, none)) return serve_house(options, context);
+  ROOMWISE_RETURN_IF_ERROR(check_is_for_one_home(options));
   catch_interrupts();  // before it says that it serves: whoever waits for that may end it at once
   cv::setNumThreads(1);
   std::optional<SpokenCodes> spoken;
@@ -247,7 +267,7 @@ Expected<Answer> serve(const Options& options, Context& context) {
   EnterKey enter;
   int turns = 0;
   while (!context.progress.interrupted()) {
-    if (enter.take()) ROOMWISE_RETURN_IF_ERROR(show_code(*server, service::Role::kDevice, codes));
+    if (enter.take()) tell_of_code(show_code(*server, service::Role::kDevice, codes));
     if (codes != nullptr) {
       if (const auto spoken_on = codes->step(); !spoken_on) {
         std::cerr << "codes are not spoken any more: " << spoken_on.error().message << '\n';

@@ -335,7 +335,7 @@ Expected<Answer> serve_house(const ServeOptions& options, Context& context) {
   EnterKey enter;
   for (int turns = 0; !context.progress.interrupted(); ++turns) {
     if (!options.one.empty() && enter.take()) {
-      ROOMWISE_RETURN_IF_ERROR(server->show_code(service::Role::kDevice));
+      tell_of_code(server->show_code(service::Role::kDevice));
     }
     constexpr int kTurnsOfASecond = 10;
     if (turns % kTurnsOfASecond == 0) server->house().tidy();

@@ -40,6 +40,10 @@ bool EnterKey::take() {
   return size > 0 && std::find(typed.begin(), typed.begin() + size, '\n') != typed.end();
 }
 
+void tell_of_code(const Expected<void>& shown) {
+  if (!shown) std::cout << "No code: " << shown.error().message << std::endl;
+}
+
 fs::path brought_pages() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);

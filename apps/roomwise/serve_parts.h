@@ -59,6 +59,9 @@ class EnterKey {
   bool at_end_ = false;
 };
 
+// What came of Enter: where no code can be made now, that is said, and the server goes on.
+void tell_of_code(const Expected<void>& shown);
+
 // The pages that come with Roomwise: ../share/roomwise/web of the program's; empty: there are none.
 [[nodiscard]] std::filesystem::path brought_pages();
 [[nodiscard]] std::int64_t seconds_since_1970();
