@@ -171,6 +171,31 @@ TEST(Serve, ADeviceSaysHowItsPairingWent) {
   EXPECT_THAT(said_by({"--pair", wrong}), HasSubstr("The connection is lost."));
 }
 
+TEST(Serve, ADeviceSaysWhatOfItIsMissing) {
+  const ScratchFolder folder;
+  ::setenv("XDG_CONFIG_HOME", (folder / "config").c_str(), 1);
+  ServeProcess process(serve(folder / "new.home", {"--pair", "device"}));
+  ASSERT_NE(process.server.port, 0) << process.said() << process.errors();
+  std::vector<std::string> device{"device",
+                                  "--server",
+                                  fmt::format("127.0.0.1:{}", process.server.port),
+                                  "--speak",
+                                  "text",
+                                  "--pair",
+                                  process.code("device")};
+  const auto said_without = [&](const std::string& part) {
+    std::vector<std::string> arguments = device;
+    arguments.insert(arguments.end(), {part, folder / "none"});
+    const ProgramResult result = run_roomwise(arguments);
+    EXPECT_EQ(result.exit_code, 1);
+    device.resize(5);  // it is paired from now on
+    return result.output;
+  };
+  EXPECT_THAT(said_without("--recording"), HasSubstr("The camera does not work."));
+  EXPECT_THAT(said_without("--buttons"), HasSubstr("The buttons do not work."));
+  ::unsetenv("XDG_CONFIG_HOME");
+}
+
 TEST(Serve, TwoServersDoNotOpenOneHome) {
   const ScratchFolder folder;
   ServeProcess first(serve(folder / "new.home"));

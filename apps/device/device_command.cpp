@@ -89,6 +89,14 @@ Expected<service::ServerCredentials> find_credentials_aloud(const DeviceOptions&
   return credentials;
 }
 
+// Says it, too, where a part is not there: whoever cannot see the terminal would wait.
+template <typename Part>
+Expected<Part> aloud(Expected<Part> part, const char* message, DeviceVoice& voice,
+                     const Interruption& interruption) {
+  if (!part) say_now(voice, message, guide::Sound::kAlert, interruption);
+  return part;
+}
+
 Expected<std::unique_ptr<DeviceCamera>> open_camera(const DeviceOptions& options) {
   std::unique_ptr<recording::FrameSource> source;
   DeviceCamera::Reopen reopen;
@@ -147,8 +155,10 @@ Expected<Answer> run_device(const DeviceOptions& given, Context& context) {
   ROOMWISE_TRY(parts.voice, open_voice(options, catalogue));
   ROOMWISE_TRY(parts.credentials,
                find_credentials_aloud(options, parts.server, *parts.voice, context.progress));
-  ROOMWISE_TRY(parts.keys, DeviceKeys::open(STDIN_FILENO, options.buttons));
-  ROOMWISE_TRY(parts.camera, open_camera(options));
+  ROOMWISE_TRY(parts.keys, aloud(DeviceKeys::open(STDIN_FILENO, options.buttons),
+                                 "device.buttons_lost", *parts.voice, context.progress));
+  ROOMWISE_TRY(parts.camera,
+               aloud(open_camera(options), "device.camera_failed", *parts.voice, context.progress));
   parts.hello = hello_of(options, parts.camera.get());
   DeviceSession session(std::move(parts));
   ROOMWISE_RETURN_IF_ERROR(session.run(context.progress));

@@ -20,7 +20,8 @@ namespace {
 
 using Kind = KeyRequest::Kind;
 
-constexpr double kNameWaits_s = 10;  // for its next letter
+constexpr double kButtonsTried_s = 2;  // so often, once they are gone
+constexpr double kNameWaits_s = 10;    // for its next letter
 constexpr std::size_t kMaxNameBytes = 100;
 constexpr std::size_t kMaxQuestionBytes = 500;
 constexpr char kEscape = 0x1B;
@@ -168,15 +169,13 @@ Expected<std::unique_ptr<DeviceKeys>> DeviceKeys::open(int keyboard,
                                                        const std::filesystem::path& buttons) {
   std::unique_ptr<DeviceKeys> keys(new DeviceKeys);
   keys->keyboard_ = keyboard;
+  keys->buttons_file_ = buttons;
   if (!buttons.empty()) {
-    keys->buttons_ = ::open(buttons.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    keys->open_buttons();
     if (keys->buttons_ < 0) {
       return fail("{}: cannot be read: {}; is the user in the group 'input'?", buttons.string(),
                   std::strerror(errno));
     }
-    // The clock of wait()'s times, which no step of the calendar's moves. A pipe has none.
-    int clock = CLOCK_MONOTONIC;
-    (void)::ioctl(keys->buttons_, EVIOCSCLOCKID, &clock);
   }
   termios settings{};
   if (::isatty(keyboard) == 1 && ::tcgetattr(keyboard, &settings) == 0) {
@@ -192,7 +191,26 @@ DeviceKeys::~DeviceKeys() {
   if (buttons_ >= 0) ::close(buttons_);
 }
 
+void DeviceKeys::open_buttons() {
+  buttons_ = ::open(buttons_file_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (buttons_ < 0) return;
+  // The clock of wait()'s times, which no step of the calendar's moves. A pipe has none.
+  int clock = CLOCK_MONOTONIC;
+  (void)::ioctl(buttons_, EVIOCSCLOCKID, &clock);
+}
+
+void DeviceKeys::lose_buttons(TimestampNs now_ns) {
+  ::close(buttons_);
+  buttons_ = -1;
+  events_ = {};  // nobody knows what is held
+  buttons_tried_ns_ = now_ns;
+}
+
 std::vector<KeyRequest> DeviceKeys::wait(int max_ms, TimestampNs now_ns) {
+  if (has_lost_buttons() && seconds_between(buttons_tried_ns_, now_ns) >= kButtonsTried_s) {
+    buttons_tried_ns_ = now_ns;
+    open_buttons();
+  }
   // Descriptors below 0 are passed over.
   std::array<pollfd, 2> inputs{{{keyboard_, POLLIN, 0}, {buttons_, POLLIN, 0}}};
   const bool is_any = ::poll(inputs.data(), inputs.size(), max_ms) > 0;
@@ -215,8 +233,7 @@ std::vector<KeyRequest> DeviceKeys::wait(int max_ms, TimestampNs now_ns) {
     if (const auto bytes = read_some(buttons_)) {
       add(events_.take(*bytes, now_ns));
     } else {
-      ::close(buttons_);
-      buttons_ = -1;
+      lose_buttons(now_ns);
     }
   }
   return requests;

@@ -117,12 +117,17 @@ class DeviceKeys {
   DeviceKeys(const DeviceKeys&) = delete;
   DeviceKeys& operator=(const DeviceKeys&) = delete;
 
+  // Whether the input device is gone, as an unplugged one is. wait() opens it again once it is
+  // there.
+  [[nodiscard]] bool has_lost_buttons() const { return buttons_ < 0 && !buttons_file_.empty(); }
   // What was asked since the last call; waits for it, but no longer than so many milliseconds. The
   // time is that of the steady clock.
   [[nodiscard]] std::vector<KeyRequest> wait(int max_ms, TimestampNs now_ns);
 
  private:
   DeviceKeys() = default;
+  void open_buttons();
+  void lose_buttons(TimestampNs now_ns);
 
   struct Terminal;  // its settings as they were
   std::unique_ptr<Terminal> terminal_;
@@ -130,6 +135,8 @@ class DeviceKeys {
   ButtonEvents events_;
   int keyboard_ = -1;  // descriptors; -1 where there is none (any more)
   int buttons_ = -1;
+  std::filesystem::path buttons_file_;
+  TimestampNs buttons_tried_ns_ = 0;  // to open them again
 };
 
 }  // namespace roomwise::app

@@ -175,6 +175,33 @@ TEST(DeviceKeysTest, ReadsAnInputDevice) {
   EXPECT_THAT(heard, ElementsAre(KeyRequest{Kind::kAround, ""}));
 }
 
+TEST(DeviceKeysTest, ButtonsThatWereGoneComeBack) {
+  const roomwise::testing::ScratchFolder folder;
+  const auto fifo = folder / "event0";
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  const auto keys = DeviceKeys::open(-1, fifo).value();
+  const auto press_2 = [&](TimestampNs now_ns) {
+    std::FILE* buttons = std::fopen(fifo.c_str(), "w");
+    ASSERT_NE(buttons, nullptr);
+    const std::string bytes = press(KEY_2, 0, 0.1);
+    std::fwrite(bytes.data(), 1, bytes.size(), buttons);
+    std::fclose(buttons);  // unplugged
+    EXPECT_THAT(keys->wait(1000, now_ns), ElementsAre(KeyRequest{Kind::kAround, ""}));
+  };
+  press_2(0);
+  EXPECT_FALSE(keys->has_lost_buttons());
+  EXPECT_THAT(keys->wait(1000, 0), IsEmpty());
+  EXPECT_TRUE(keys->has_lost_buttons());
+  std::filesystem::remove(fifo);
+  EXPECT_THAT(keys->wait(0, 3 * kSecond), IsEmpty());
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  EXPECT_THAT(keys->wait(0, 4 * kSecond), IsEmpty());
+  EXPECT_TRUE(keys->has_lost_buttons()) << "they are not looked for all the time";
+  EXPECT_THAT(keys->wait(0, 5 * kSecond), IsEmpty());
+  EXPECT_FALSE(keys->has_lost_buttons());
+  press_2(6 * kSecond);
+}
+
 TEST(DeviceCredentialsTest, AreKeptForTheOwnerAlone) {
   const roomwise::testing::ScratchFolder folder;
   const auto file = folder / "config" / "roomwise" / "device.json";

@@ -72,6 +72,7 @@ Expected<void> DeviceSession::run(const Interruption& interruption) {
     send_frames(now_ns);
     if (parts_.keys) {
       for (const KeyRequest& request : parts_.keys->wait(kTick_ms, now_ns)) act(request, now_ns);
+      watch_buttons(now_ns);
     } else {
       std::this_thread::sleep_for(std::chrono::milliseconds(kTick_ms));
     }
@@ -301,6 +302,13 @@ void DeviceSession::watch_camera(TimestampNs now_ns) {
   if (failure) std::cerr << *failure << '\n';
   parts_.voice->notice(failure ? "device.camera_failed" : "device.camera_back",
                        failure ? guide::Sound::kAlert : guide::Sound::kBack, now_ns);
+}
+
+void DeviceSession::watch_buttons(TimestampNs now_ns) {
+  const bool lost = parts_.keys->has_lost_buttons();
+  if (std::exchange(buttons_lost_, lost) == lost) return;
+  parts_.voice->notice(lost ? "device.buttons_lost" : "device.buttons_back",
+                       lost ? guide::Sound::kAlert : guide::Sound::kBack, now_ns);
 }
 
 void DeviceSession::send_frames(TimestampNs now_ns) {

@@ -63,6 +63,7 @@ class DeviceSession : private Interruption {
   void take_recording(const service::RecordingState& recording, TimestampNs now_ns);
   void take_error(const service::ErrorMessage& error, TimestampNs now_ns);
   void watch_camera(TimestampNs now_ns);
+  void watch_buttons(TimestampNs now_ns);
   void send_frames(TimestampNs now_ns);
   void act(const KeyRequest& request, TimestampNs now_ns);
   void find_next(TimestampNs now_ns);
@@ -96,6 +97,7 @@ class DeviceSession : private Interruption {
   std::string recording_;     // its last state
   std::uint64_t prompts_ = 0;
   bool camera_failed_ = false;
+  bool buttons_lost_ = false;
   bool quiet_ = false;
   bool is_teaching_ = false;  // a thing is shown, or waits for its name
   TimestampNs heard_ns_ = 0;  // when the computer said something last

@@ -312,6 +312,20 @@ TEST_F(UnpluggedCameraTest, SaysThatTheCameraFailedAndThatItIsBack) {
   EXPECT_EQ(speaker_->times("The camera does not work."), 1);
 }
 
+TEST_F(DeviceSessionTest, SaysThatTheButtonsAreGoneAndThatTheyAreBack) {
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
+  ::close(buttons_);
+  EXPECT_TRUE(speaker_->hears("The buttons do not work."));
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  buttons_ = ::open((folder_ / "event0").c_str(), O_WRONLY);  // once they are looked for
+  EXPECT_TRUE(speaker_->hears("The buttons work again."));
+  press(KEY_1);
+  EXPECT_EQ(asked(1).question, service::Question::kWhereAmI);
+  type("x");
+  running.join();
+  EXPECT_EQ(speaker_->times("The buttons do not work."), 1);
+}
+
 TEST_F(DeviceSessionTest, GoesOnAfterTheServerWasAway) {
   struct Stop final : Interruption {
     [[nodiscard]] bool interrupted() const override { return asked; }
