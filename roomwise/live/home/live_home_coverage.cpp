@@ -20,7 +20,9 @@ class StopsWhenTold final : public Progress {
 }  // namespace
 
 Expected<std::shared_ptr<const pipeline::RoomCoverage>> LiveHome::coverage() {
-  const std::scoped_lock lock(coverage_mutex_);
+  // Who waited here would take the place of a request that needs none of this.
+  const std::unique_lock lock(coverage_mutex_, std::try_to_lock);
+  if (!lock) return fail("what is missing is being worked out; it is told in a moment");
   const auto now = view();
   if (covered_ == now && coverage_) return coverage_;
   const bool is_mapping = jobs_->running() && jobs_->state()->kind == "map";

@@ -471,6 +471,33 @@ TEST_F(LiveHomeTest, OfThreeWalksAllAreForgottenWithTheHome) {
   EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks"));
 }
 
+TEST_F(LiveHomeTest, NobodyWaitsWhileWhatIsMissingIsWorkedOut) {
+  open();
+  record_the_walk();
+  learn_two_rooms();
+  const Bytes picture = home->keyframe_picture(0).value();
+  home.reset();
+  // It is damaged, and that is told while others ask.
+  std::string bytes = bytes_of_home();
+  const auto middle = picture.begin() + static_cast<std::ptrdiff_t>(picture.size() / 2);
+  const std::size_t at = bytes.find(std::string(middle, middle + 64));
+  ASSERT_NE(at, std::string::npos);
+  bytes[at] = static_cast<char>(~bytes[at]);
+  std::ofstream(file, std::ios::binary) << bytes;
+  open();
+  home->jobs().wait();
+  std::optional<std::string> others;
+  on_log = [&](std::string_view line) {
+    if (!line.starts_with("what is missing failed")) return;
+    const auto asked = std::async(std::launch::async, [&] { return home->coverage(); }).get();
+    others = asked ? "" : asked.error().message;
+  };
+  EXPECT_ERROR(home->coverage(), "is damaged");
+  ASSERT_TRUE(others);
+  EXPECT_THAT(*others, HasSubstr("is being worked out"));
+  home.reset();
+}
+
 TEST_F(LiveHomeTest, LearningNeedsAWalk) {
   open();
   EXPECT_ERROR(home->learn(), "holds no walk to learn from");

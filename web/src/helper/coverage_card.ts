@@ -9,6 +9,8 @@ import { tellCoverage, type CoverageGroup, type CoverageMark, type Sentence } fr
 import { drawPlan, type PlanDrawing } from './plan/plan_drawing';
 import { card } from './shell';
 
+const kAgainMs = 5_000;
+
 export function coverageCard({ store }: Helper): HTMLElement {
   const place = h('div', { class: 'form' });
   const element = card(text('coverage.heading'), h('p', { class: 'hint' }, text('coverage.explain')), place);
@@ -23,6 +25,9 @@ export function coverageCard({ store }: Helper): HTMLElement {
     } catch (error) {
       const isSoon = error instanceof ApiError && error.status === 503;
       children = [h('p', { class: 'hint' }, isSoon ? text('coverage.not_ready') : messageOf(error))];
+      if (isSoon) {
+        setTimeout(() => mine === asked && void show(), kAgainMs);
+      }
     }
     if (mine === asked) {
       replaceChildren(place, ...children);

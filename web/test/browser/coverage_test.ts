@@ -37,6 +37,17 @@ test('while the map is made it is told when; then it comes by itself', options, 
   await visit.close();
 }));
 
+test('while it is worked out for another page it is asked for again', options, () => withServer(async (server) => {
+  const ready = server.state.coverage;
+  server.state.coverage = null;
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#walks');
+  await visit.sees('It is told when the map is ready.');
+  server.state.coverage = ready;
+  await visit.sees('It was seen by day only', '.coverage');
+  await visit.close();
+}));
+
 test('where nothing is missing, that is told; an empty home has no such list', options, () => withServer(async (server) => {
   server.state.coverage = { missing: [], rooms: [], floor_known: true };
   const visit = await openVisit(server, { role: 'helper' });
