@@ -93,6 +93,9 @@ Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
     live->erase_what_waits();
     ROOMWISE_RETURN_IF_ERROR(live->refresh(nullptr));
   }
+  if (const auto done = live->go_on_with_uploads(); !done) {
+    live->options_.log(fmt::format("files that were handed in: {}", done.error().message));
+  }
   ROOMWISE_RETURN_IF_ERROR(live->check_networks());
   live->jobs_ = std::make_unique<Jobs>(
       [raw = live.get()](const service::JobState& state) { raw->tell_helpers(state); },

@@ -305,11 +305,16 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] std::filesystem::path lenses_file() const;
   [[nodiscard]] std::filesystem::path uploads_folder() const;
   [[nodiscard]] std::filesystem::path photos_folder() const;
+  [[nodiscard]] std::filesystem::path unpacking_folder() const;
+  // After a kill: what became a walk of the home waits no more as a file.
+  [[nodiscard]] Expected<void> go_on_with_uploads();
   // Makes a walk's folder, or file, of what was handed in.
   [[nodiscard]] Expected<TakenIn> take_in(const Upload& upload, Progress& progress);
   [[nodiscard]] Expected<TakenIn> take_in(const Upload& upload,
                                           const std::filesystem::path& unpacked,
                                           Progress& progress);
+  [[nodiscard]] Expected<std::filesystem::path> unused_path(const std::string& stem,
+                                                            const std::string& ending);
   // The folder of the walk whose map is not finished, if there is one; the folder of a recording of
   // this home.
   [[nodiscard]] Expected<std::optional<std::filesystem::path>> unfinished_walk();

@@ -1206,6 +1206,27 @@ TEST_F(HandedIn, AnExportIsMappedThoughTheComputerStoppedMeanwhile) {
   EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/My flat"));
 }
 
+TEST_F(HandedIn, WhatIsInTheHomeDoesNotWaitAfterAKill) {
+  const Bytes archive = archive_of_the_walk();
+  const std::string id = hand_in(archive);
+  ask("POST", "/api/uploads/" + id + "/map");
+  home->jobs().wait();
+  ASSERT_THAT(home->view()->walks, SizeIs(1));
+  // As before the kill.
+  EXPECT_EQ(hand_in(archive), id);
+  ASSERT_OK(home->uploads().note_walk(id, "My flat"));
+  std::filesystem::create_directory(folder / "flat.home.walks/.unpacking");
+  const std::string other = home->uploads().begin("other.zip", 5, "")->id;
+  ASSERT_OK(home->uploads().note_walk(other, "other"));
+  home.reset();
+  open();
+  const auto left = home->uploads().list().value();
+  ASSERT_THAT(left, SizeIs(1));
+  EXPECT_EQ(left[0].id, other);
+  EXPECT_EQ(left[0].walk, "") << "nothing became of it";
+  EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/.unpacking"));
+}
+
 TEST_F(HandedIn, AnArchiveOfWhichMostCannotBeReadStays) {
   damaged_pictures = kFrames / 2 + 1;
   const std::string id = hand_in(archive_of_the_walk());

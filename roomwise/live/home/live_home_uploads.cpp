@@ -22,15 +22,6 @@ std::string name_of_walk(const std::string& file_name) {
   return name;
 }
 
-// A path in `folder` that nothing has yet.
-fs::path unused_path(const fs::path& folder, const std::string& stem, const std::string& ending) {
-  std::error_code error;
-  fs::path path = folder / (stem + ending);
-  for (int i = 2; fs::exists(path, error); ++i)
-    path = folder / fmt::format("{} {}{}", stem, i, ending);
-  return path;
-}
-
 // The recordings in a folder: itself, or those below it.
 std::vector<fs::path> recordings_in(const fs::path& folder, int depth) {
   if (recording::find_recording_kind(folder) != nullptr) return {folder};
@@ -102,6 +93,17 @@ fs::path LiveHome::uploads_folder() const {
   return fs::path(file_.string() + ".uploads");
 }
 
+// In the folder of walks, of no walk yet, not even of one whose pictures were removed.
+Expected<fs::path> LiveHome::unused_path(const std::string& stem, const std::string& ending) {
+  fs::path path = walks_folder() / (stem + ending);
+  for (int i = 2;; ++i) {
+    std::error_code error;
+    ROOMWISE_TRY(const bool is_known, has_recording_of(path));
+    if (!is_known && !fs::exists(path, error)) return path;
+    path = walks_folder() / fmt::format("{} {}{}", stem, i, ending);
+  }
+}
+
 Expected<Upload> LiveHome::put_upload(const std::string& id, std::uint64_t offset,
                                       std::span<const std::uint8_t> piece) {
   return watched("an upload", uploads_->put(id, offset, piece));
@@ -121,16 +123,16 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
     ROOMWISE_TRY(const bool is_in_home, has_recording_of(path));
     std::error_code error;
     const fs::path file = uploads_->file_of(upload.id);
-    if (is_in_home) {
-      // An archive of which most could not be read stays: it may be all that there is.
-      const bool is_archive = fs::exists(file, error);
-      if (!is_archive || is_mostly_whole(path, mapped))
-        ROOMWISE_RETURN_IF_ERROR(uploads_->remove(upload.id));
-    } else {
-      // It waits as it was: nothing of it is kept twice.
-      if (!fs::exists(file, error)) ROOMWISE_RETURN_IF_ERROR(move_to(path, file));
-      fs::remove_all(path, error);
+    const bool is_archive = fs::exists(file, error);
+    if (is_in_home && (!is_archive || is_mostly_whole(path, mapped))) {
+      ROOMWISE_RETURN_IF_ERROR(uploads_->remove(upload.id));
+      return mapped;
     }
+    // An archive of which most could not be read stays: it may be all that there is. What did not
+    // come into the home waits as it was: nothing of it is kept twice.
+    if (!is_in_home && !is_archive) ROOMWISE_RETURN_IF_ERROR(move_to(path, file));
+    if (!is_in_home) fs::remove_all(path, error);
+    ROOMWISE_RETURN_IF_ERROR(uploads_->note_walk(upload.id, ""));
     return mapped;
   };
   return instead_of_preparing([&]() -> Expected<void> {
@@ -139,10 +141,32 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
   });
 }
 
-Expected<TakenIn> LiveHome::take_in(const Upload& upload, Progress& progress) {
-  const fs::path unpacked = walks_folder() / ".unpacking";
+Expected<void> LiveHome::go_on_with_uploads() {
   std::error_code error;
-  fs::remove_all(unpacked, error);  // of a time when the computer was stopped
+  fs::remove_all(unpacking_folder(), error);
+  ROOMWISE_TRY(const auto uploads, uploads_->list());
+  for (const Upload& upload : uploads) {
+    if (upload.walk.empty()) continue;
+    const fs::path path = walks_folder() / upload.walk;
+    ROOMWISE_TRY(const bool is_in_home, has_recording_of(path));
+    const bool is_moved = !fs::exists(uploads_->file_of(upload.id), error);
+    if (is_in_home || (is_moved && fs::exists(path, error))) {
+      ROOMWISE_RETURN_IF_ERROR(uploads_->remove(upload.id));
+    } else if (!fs::exists(path, error)) {
+      ROOMWISE_RETURN_IF_ERROR(uploads_->note_walk(upload.id, ""));
+    }
+  }
+  return {};
+}
+
+fs::path LiveHome::unpacking_folder() const {
+  return walks_folder() / ".unpacking";
+}
+
+Expected<TakenIn> LiveHome::take_in(const Upload& upload, Progress& progress) {
+  const fs::path unpacked = unpacking_folder();
+  std::error_code error;
+  fs::remove_all(unpacked, error);
   fs::create_directories(walks_folder(), error);
   if (error) return fail("{}: cannot be made: {}", walks_folder().string(), error.message());
   auto taken = take_in(upload, unpacked, progress);
@@ -156,8 +180,9 @@ Expected<TakenIn> LiveHome::take_in(const Upload& upload, const fs::path& unpack
   const std::string name = name_of_walk(upload.name);
   // Record3D's recordings are zip archives that are read as they are.
   if (recording::find_recording_kind(file) != nullptr) {
-    const fs::path path =
-        unused_path(walks_folder(), name, fs::path(upload.name).extension().string());
+    ROOMWISE_TRY(const fs::path path,
+                 unused_path(name, fs::path(upload.name).extension().string()));
+    ROOMWISE_RETURN_IF_ERROR(uploads_->note_walk(upload.id, path.filename().string()));
     ROOMWISE_RETURN_IF_ERROR(move_to(file, path));
     return TakenIn{path, {}};
   }
@@ -183,8 +208,10 @@ Expected<TakenIn> LiveHome::take_in(const Upload& upload, const fs::path& unpack
   const fs::path& found = inside.path;
   // Where somebody lives, and with what they recorded it, is not kept.
   if (fs::is_directory(found)) ROOMWISE_RETURN_IF_ERROR(recording::leave_out_personal_data(found));
-  const fs::path path = unused_path(
-      walks_folder(), name, fs::is_directory(found) ? std::string() : found.extension().string());
+  ROOMWISE_TRY(
+      const fs::path path,
+      unused_path(name, fs::is_directory(found) ? std::string() : found.extension().string()));
+  ROOMWISE_RETURN_IF_ERROR(uploads_->note_walk(upload.id, path.filename().string()));
   ROOMWISE_RETURN_IF_ERROR(move_to(found, path));
   return TakenIn{path, {}};
 }

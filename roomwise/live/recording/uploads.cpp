@@ -88,6 +88,7 @@ Expected<Upload> Uploads::read(const std::string& id) const {
   service::Members members(json);
   Upload upload{id, members.text("name"),
                 static_cast<std::uint64_t>(members.whole("bytes", 1, service::kMaxWhole)), 0};
+  if (members.has("walk")) upload.walk = members.text("walk", kMaxFactsBytes);
   if (members.error())
     return Unexpected(Error(*members.error()).with_context(metadata_path(id).string()));
   const auto there = fs::file_size(file_of(id), error);
@@ -151,8 +152,7 @@ Expected<Upload> Uploads::begin(const std::string& name, std::uint64_t bytes,
   if (error) return fail("{}: cannot be made: {}", folder_.string(), error.message());
   fs::permissions(folder_, fs::perms::owner_all, error);  // pictures of a home
   fs::remove(file_of(id), error);
-  ROOMWISE_RETURN_IF_ERROR(
-      write_file(metadata_path(id), service::dump({{"name", name}, {"bytes", bytes}}) + "\n"));
+  ROOMWISE_RETURN_IF_ERROR(write_facts({.id = id, .name = name, .bytes = bytes}));
   return read(id);
 }
 
@@ -171,6 +171,19 @@ Expected<Upload> Uploads::put(const std::string& id, std::uint64_t offset,
   const std::uint64_t known = upload.offset - offset;
   if (known < chunk.size()) ROOMWISE_RETURN_IF_ERROR(append_to(file_of(id), chunk.subspan(known)));
   return read(id);
+}
+
+Expected<void> Uploads::note_walk(const std::string& id, const std::string& walk) {
+  const std::scoped_lock lock(mutex_);
+  ROOMWISE_TRY(Upload upload, read(id));
+  upload.walk = walk;
+  return write_facts(upload);
+}
+
+Expected<void> Uploads::write_facts(const Upload& upload) const {
+  service::OrderedJson facts{{"name", upload.name}, {"bytes", upload.bytes}};
+  if (!upload.walk.empty()) facts["walk"] = upload.walk;
+  return write_file(metadata_path(upload.id), service::dump(facts) + "\n");
 }
 
 Expected<void> Uploads::remove(const std::string& id) {

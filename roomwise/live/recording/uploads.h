@@ -31,6 +31,7 @@ struct Upload {
   std::string name;  // of the file, as it was told
   std::uint64_t bytes = 0;
   std::uint64_t offset = 0;  // bytes that are there: the next one's number
+  std::string walk = {};     // the folder or file that it becomes; empty: nobody began that
 
   [[nodiscard]] bool is_complete() const { return offset == bytes; }
   friend bool operator==(const Upload&, const Upload&) = default;
@@ -61,6 +62,8 @@ class Uploads {
   // and on a full disk; what had been there stays.
   [[nodiscard]] Expected<Upload> put(const std::string& id, std::uint64_t offset,
                                      std::span<const std::uint8_t> chunk);
+  // Keeps what it becomes, for after a kill.
+  [[nodiscard]] Expected<void> note_walk(const std::string& id, const std::string& walk);
   // No matter how much is there.
   [[nodiscard]] Expected<void> remove(const std::string& id);
   [[nodiscard]] Expected<void> remove_all();
@@ -76,6 +79,7 @@ class Uploads {
   [[nodiscard]] std::filesystem::path metadata_path(const std::string& id) const;
   // With the lock held.
   [[nodiscard]] Expected<Upload> read(const std::string& id) const;
+  [[nodiscard]] Expected<void> write_facts(const Upload& upload) const;
   [[nodiscard]] Expected<std::vector<Upload>> read_all() const;
 
   std::filesystem::path folder_;
