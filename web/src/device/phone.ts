@@ -267,15 +267,15 @@ export class Phone {
   // The newest question counts: an answer to one before it would only keep the newer one waiting.
   private tellPrompt(prompt: Prompt): void {
     const isOutdated = prompt.priority === 'answer' && prompt.answer_to !== null && prompt.answer_to < this.lastAsked;
-    if (!isOutdated) {
-      this.player.push(prompt);
-    }
     const teaching = kTeachingAfter[prompt.message];
     if (teaching !== undefined && teaching !== this.state.teaching) {
       this.state.teaching = teaching;
       if (teaching === 'shown') {
         this.whenShown();
       }
+    }
+    if (!isOutdated) {
+      this.player.push(prompt); // into the dialog that this may have opened
     }
     if (prompt.message === 'watch.shown' || prompt.message === 'watch.hidden') {
       this.letWatch(prompt.message === 'watch.shown');

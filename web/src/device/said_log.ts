@@ -1,4 +1,5 @@
 // What was said, newest last, to read again. A live region where the screen reader is to speak, else not.
+import { sayInDialog } from '../shared/dialog';
 import { h } from '../shared/dom';
 import { text } from '../shared/texts';
 import type { QueuedPrompt } from './prompt_queue';
@@ -24,7 +25,9 @@ export class SaidLog {
     this.urgent.textContent = '';
     const line = h('p', { class: `line newest ${prompt.priority}`, lang: prompt.language }, prompt.text);
     this.lines.set(prompt, line);
-    if (how === 'aloud' && prompt.priority === 'hazard') {
+    const isUrgent = how === 'aloud' && prompt.priority === 'hazard';
+    const isSaid = how === 'aloud' && sayInDialog(h('span', { lang: prompt.language }, prompt.text), isUrgent);
+    if (isUrgent && !isSaid) {
       this.urgent.append(line);
       return;
     }

@@ -8,13 +8,18 @@ export interface Helper {
   announcer: Announcer;
 }
 
-// Does it and says `done`; a failure is thrown on to who can show it beside a field.
-export async function act(helper: Helper, what: () => Promise<unknown>, done: string): Promise<void> {
+// Does it, and gives what says `done`: of a dialog once it is closed, for its live regions go with it. A failure is thrown on
+// to who can show it beside a field.
+export async function act(helper: Helper, what: () => Promise<unknown>, done: string): Promise<() => void> {
   await what();
-  helper.announcer.say(done);
+  return () => helper.announcer.say(done);
+}
+
+export async function actAndSay(helper: Helper, what: () => Promise<unknown>, done: string): Promise<void> {
+  (await act(helper, what, done))();
 }
 
 // For actions without a form: a failure is said instead.
 export function actOrSay(helper: Helper, what: () => Promise<unknown>, done: string): void {
-  act(helper, what, done).catch((error: unknown) => helper.announcer.say(messageOf(error), 'failed'));
+  actAndSay(helper, what, done).catch((error: unknown) => helper.announcer.say(messageOf(error), 'failed'));
 }

@@ -4,7 +4,7 @@ import { ApiError, messageOf, request } from '../shared/api';
 import { h } from '../shared/dom';
 import { selectField, textField, type Field } from '../shared/forms';
 import { text } from '../shared/texts';
-import { act, type Helper } from './actions';
+import { actAndSay, type Helper } from './actions';
 import { eraseCard } from './erase_card';
 import { takeWalkAway } from './walk_list';
 import { card, panel } from './shell';
@@ -73,7 +73,7 @@ function forgetCard(helper: Helper, options: Forgetting): HTMLElement {
       throw new ApiError(0, text('forget.wrong_name', { home: home() }));
     }
     const done = options.done(choice);
-    await act(helper, async () => {
+    await actAndSay(helper, async () => {
       await options.run(choice, really.value());
       await helper.store.refreshHome();
     }, done);

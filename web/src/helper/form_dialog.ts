@@ -14,7 +14,7 @@ export interface FormDialog {
   dangerous?: boolean;
   // Shows what is wrong at a field and gives false, or true.
   check?: () => boolean;
-  run: () => Promise<void>;
+  run: () => Promise<() => void>; // gives what says that it is done
 }
 
 export function openFormDialog(options: FormDialog): void {
@@ -42,8 +42,9 @@ export function openFormDialog(options: FormDialog): void {
     }
     button.setAttribute('aria-disabled', 'true');
     try {
-      await options.run();
+      const sayDone = await options.run();
       dialog.close();
+      sayDone();
     } catch (error) {
       const field = options.fields[0];
       if (field) {

@@ -4,7 +4,7 @@ import { h, newId } from '../shared/dom';
 import { textField } from '../shared/forms';
 import type { Keyframe, Recording, RoomRange } from '../shared/protocol';
 import { formatMoment, text } from '../shared/texts';
-import { act, actOrSay, type Helper } from './actions';
+import { actAndSay, actOrSay, type Helper } from './actions';
 import { required } from './form_dialog';
 import { keyframeAddress } from './pictures';
 import { picturesOf, spansOf, withRange, without, type FrameSpan } from './ranges';
@@ -62,7 +62,7 @@ export function namingView(helper: Helper): NamingView {
       const [from, to] = chosen;
       const { id, ranges } = recording;
       const range = { first: spans[from - 1]?.first ?? 0, last: spans[to - 1]?.last ?? 0, room: room.value() };
-      await act(helper, () => put(id, withRange(ranges, range)), text('walks.saved', { first: from, last: to, room: range.room }));
+      await actAndSay(helper, () => put(id, withRange(ranges, range)), text('walks.saved', { first: from, last: to, room: range.room }));
       room.input.value = '';
     }
   }

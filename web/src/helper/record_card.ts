@@ -5,7 +5,7 @@ import { h } from '../shared/dom';
 import { selectField, textField } from '../shared/forms';
 import type { Me } from '../shared/protocol';
 import { counted, text } from '../shared/texts';
-import { act, actOrSay, type Helper } from './actions';
+import { actAndSay, actOrSay, type Helper } from './actions';
 import { required } from './form_dialog';
 import { jobView } from './job_view';
 import { card } from './shell';
@@ -28,7 +28,7 @@ export function recordCard(helper: Helper, me: Me): HTMLElement {
     [device, name].forEach((field) => field.clear());
     if (required(device, text('record.no_device')) && required(name, text('record.name_missing'))) {
       const body = { device: Number(device.value()), name: name.value() };
-      await act(helper, () => request('POST', '/api/recording', body), text('record.started', { name: name.value() }));
+      await actAndSay(helper, () => request('POST', '/api/recording', body), text('record.started', { name: name.value() }));
     }
   }
 

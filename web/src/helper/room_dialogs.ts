@@ -19,12 +19,12 @@ export function editRoom(helper: Helper, home: Home, room: Room): void {
     fields: [name, type], extra: [types],
     submit: text('dialog.save'),
     check: () => required(name, text('room.name_missing')),
-    run: async () => {
+    run: () => {
       const change = {
         ...(name.value() !== room.name ? { name: name.value() } : {}),
         ...(type.value() !== (room.type ?? '') && type.value() !== '' ? { type: type.value() } : {}),
       };
-      await act(helper, async () => {
+      return act(helper, async () => {
         await request('PUT', `/api/rooms/${encodeURIComponent(room.name)}`, change);
         await helper.store.refreshHome();
       }, text('room.saved', { room: name.value() }));

@@ -4,7 +4,7 @@ import { h, replaceChildren } from '../shared/dom';
 import { textField } from '../shared/forms';
 import { formatNumber, formatPercent, text } from '../shared/texts';
 import { handIn, UploadStopped, type UploadState } from '../shared/upload';
-import { act, actOrSay, type Helper } from './actions';
+import { actAndSay, actOrSay, type Helper } from './actions';
 import { rerender } from './rerender';
 import { card } from './shell';
 
@@ -40,7 +40,7 @@ export function uploadCard(helper: Helper): HTMLElement {
     stopButton.hidden = bar.hidden = false;
     try {
       const { upload } = await handIn(chosen, browserParts, tell, stop);
-      await act(helper, () => request('POST', `/api/uploads/${upload}/map`), text('upload.sent'));
+      await actAndSay(helper, () => request('POST', `/api/uploads/${upload}/map`), text('upload.sent'));
       words.textContent = '';
     } catch (error) {
       if (!(error instanceof UploadStopped)) {

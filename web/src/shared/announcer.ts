@@ -1,4 +1,5 @@
 // Says the result of an action once: shown at the foot of the page, and read politely by a screen reader.
+import { sayInDialog } from './dialog';
 import { h } from './dom';
 
 export class Announcer {
@@ -12,5 +13,6 @@ export class Announcer {
   say(words: string, kind: 'done' | 'failed' = 'done'): void {
     this.element.textContent = '';
     this.element.append(h('p', { class: `announcement ${kind}` }, words));
+    sayInDialog(h('p', {}, words), false);
   }
 }

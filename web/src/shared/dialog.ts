@@ -1,5 +1,6 @@
-// A modal dialog with heading and close button. Escape closes it; focus goes back to where it was.
-import { h, newId, type Child } from './dom';
+// A modal dialog with heading and close button. Escape closes it; focus goes back to where it was. While it is open a screen
+// reader reaches nothing else of the page, so it has live regions of its own.
+import { h, newId, replaceChildren, type Child } from './dom';
 import { text } from './texts';
 
 export interface OpenDialog {
@@ -7,10 +8,38 @@ export interface OpenDialog {
   close: () => void;
 }
 
+interface Regions {
+  urgent: HTMLElement;
+  log: HTMLElement;
+}
+
+const kKeptLines = 12; // in a dialog's log
+const opened: Regions[] = []; // the topmost last
+
+// Has the line read from the topmost dialog that is open. False where none is: then the page itself is read.
+export function sayInDialog(line: HTMLElement, isUrgent: boolean): boolean {
+  const top = opened[opened.length - 1];
+  if (!top) {
+    return false;
+  }
+  replaceChildren(top.urgent, isUrgent && line);
+  if (!isUrgent) {
+    top.log.append(line);
+  }
+  while (top.log.childElementCount > kKeptLines) {
+    top.log.firstElementChild?.remove();
+  }
+  return true;
+}
+
 export function openDialog(title: string, content: readonly Child[], closed: () => void = () => undefined): OpenDialog {
   const opener = document.activeElement;
   const id = newId('dialog');
   const element = h('dialog', { 'aria-labelledby': id, class: 'dialog' });
+  const regions = {
+    urgent: h('div', { class: 'form-error', role: 'alert' }),
+    log: h('div', { class: 'visually-hidden', role: 'log', 'aria-live': 'polite', 'aria-label': text('said.label') }),
+  };
   // At once, and not when the browser gets to tell that it is closed: focus may be elsewhere by then.
   const close = (): void => {
     element.close();
@@ -20,12 +49,14 @@ export function openDialog(title: string, content: readonly Child[], closed: () 
     h('div', { class: 'dialog-head' },
       h('h2', { id, tabindex: '-1' }, title),
       h('button', { type: 'button', class: 'quiet-button', onclick: close }, text('dialog.close'))),
+    regions.urgent, regions.log,
     ...content.filter((child): child is Node => child instanceof Node));
   const leave = (): void => {
     if (!element.isConnected) {
       return;
     }
     element.remove();
+    opened.splice(opened.indexOf(regions), 1);
     if (opener instanceof HTMLElement && opener.isConnected) {
       opener.focus();
     }
@@ -40,6 +71,7 @@ export function openDialog(title: string, content: readonly Child[], closed: () 
     }
   });
   document.body.append(element);
+  opened.push(regions);
   element.showModal();
   (element.querySelector<HTMLElement>('[autofocus]') ?? element.querySelector<HTMLElement>('h2'))?.focus();
   return { element, close };

@@ -475,6 +475,24 @@ test('a hazard is read at once, as an alert', options, () => withServer(async (s
   await visit.close();
 }));
 
+test('while a dialog is open its own regions are read, hazards at once', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  await visit.press('Ask…');
+  server.tell('device', makePrompt({ key: 'guide', message: 'guide.walk', text: 'Straight on.', sound: 'none' }));
+  await visit.hears('Straight on.');
+  server.tell('device', makePrompt({ key: 'stairs', text: 'Stop! Stairs.', priority: 'hazard', sound: 'alert' }));
+  await visit.hears('Stop! Stairs.');
+  await visit.sees('Stop! Stairs.', 'dialog [role=alert]');
+  await visit.assertAccessible('a hazard in a dialog');
+  await visit.page.keyboard.press('Escape');
+  await visit.sees('Stop! Stairs.', '.said-list');
+  assert.deepEqual((await visit.announced()).filter((one) => one.startsWith('St')), ['Straight on.', 'Stop! Stairs.'], 'each once');
+  server.tell('device', makePrompt({ key: 'teaching', message: 'teach.enough', text: 'I have seen enough.', priority: 'notice' }));
+  await visit.hears('I have seen enough.'); // though it opens a dialog
+  await visit.close();
+}));
+
 test('an answer that a hazard broke off is read again, and stands in the page once', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'device', size: kPhone });
   await start(visit, 'reader');

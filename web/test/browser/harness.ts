@@ -374,23 +374,35 @@ async function guard(visit: Visit): Promise<void> {
   network.on('Network.loadingFinished', (event) => (visit.bytes += event.encodedDataLength));
 }
 
-// Keeps what comes into live regions. It runs in the page.
+// Keeps what comes into live regions. A dialog that is open puts all else out of a screen reader's reach, and what goes with
+// its region as soon as it came is not read. It runs in the page.
 function listenToLiveRegions(): void {
   const heard: string[] = [];
   (window as unknown as { announced: string[] }).announced = heard;
-  const isLive = (node: Node): boolean => {
+  const regionOf = (node: Node): Element | null => {
     const element = node instanceof Element ? node : node.parentElement;
-    const region = element?.closest('[aria-live], [role=alert], [role=status], [role=log]');
-    return !!region && region.getAttribute('aria-live') !== 'off';
+    return element?.closest('[aria-live], [role=alert], [role=status], [role=log]') ?? null;
   };
+  const isReached = (region: Element): boolean => {
+    const dialog = [...document.querySelectorAll('dialog:modal')].pop() ?? document;
+    return dialog.contains(region) && region.getAttribute('aria-live') !== 'off';
+  };
+  let fresh: { words: string; region: Element }[] = []; // of this task
   new MutationObserver((changes) => {
+    for (const { words } of fresh.filter(({ region }) => !isReached(region))) {
+      heard.splice(heard.lastIndexOf(words), 1);
+    }
+    fresh = fresh.filter(({ region }) => isReached(region));
     for (const { target, addedNodes } of changes) {
       for (const node of addedNodes) {
         const words = (node.textContent ?? '').trim();
-        if (words !== '' && isLive(target)) {
+        const region = regionOf(target);
+        if (words !== '' && region && isReached(region)) {
           heard.push(words);
+          fresh.push({ words, region });
         }
       }
     }
+    window.setTimeout(() => (fresh = []), 0);
   }).observe(document, { childList: true, subtree: true });
 }

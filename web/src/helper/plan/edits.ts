@@ -2,10 +2,10 @@
 import { request } from '../../shared/api';
 import type { Edit } from '../../shared/protocol';
 import { text, type TextKey } from '../../shared/texts';
-import { act, type Helper } from '../actions';
+import { act, actAndSay, type Helper } from '../actions';
 
-// Makes a change, and says that it is done.
-export function makeEdit(helper: Helper, edit: Record<string, unknown>, done: string): Promise<void> {
+// Makes a change, and gives what says that it is done.
+export function makeEdit(helper: Helper, edit: Record<string, unknown>, done: string): Promise<() => void> {
   return act(helper, async () => {
     await request('POST', '/api/edits', edit);
     await helper.store.refreshHome();
@@ -13,7 +13,7 @@ export function makeEdit(helper: Helper, edit: Record<string, unknown>, done: st
 }
 
 export function undoEdit(helper: Helper, edit: Edit): Promise<void> {
-  return act(helper, async () => {
+  return actAndSay(helper, async () => {
     await request('DELETE', `/api/edits/${edit.edit}`);
     await helper.store.refreshHome();
   }, text('edits.undone', { what: editWords(edit) }));
