@@ -175,6 +175,9 @@ const kRoutes: [string, RegExp, Role | '-', Handler][] = [
   }],
   ['POST', /^\/api\/recording$/, 'helper', startRecording],
   ['POST', /^\/api\/recording\/stop$/, 'helper', ({ server }) => {
+    if (server.state.recording?.state !== 'recording') {
+      throw new Refusal(409, 'nothing is being recorded');
+    }
     tellRecording(server, 'saved', 17);
     tellJob(server, 'running', 0, 'mapping', 'map');
     return {};

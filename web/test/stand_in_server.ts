@@ -134,6 +134,7 @@ export class StandInServer {
     if (message['type'] === 'hello') {
       client.hello = message as unknown as Hello;
       client.socket.send(JSON.stringify(this.state.welcome(client.role)));
+      this.state.recordedFor(client.role).forEach((message) => client.socket.send(JSON.stringify(message)));
     } else if (message['type'] === 'ask') {
       client.asked.push(message);
       if (this.answersQuestions) {

@@ -2,7 +2,7 @@
 import { randomUUID } from 'node:crypto';
 
 import type { UploadState } from '../src/shared/upload';
-import type { Coverage, Device, Edit, Job, Recognition, RecordingState, Role, Welcome } from '../src/shared/protocol';
+import type { Coverage, Device, Edit, Job, NotRecorded, Recognition, RecordingState, Role, Welcome } from '../src/shared/protocol';
 import { makeCoverage, makeHome, makeKeyframes, makePlan } from './made_up_home';
 
 const kDay = 86_400;
@@ -53,6 +53,16 @@ export class StandInState {
 
   roleOf(token: string | undefined): Role | null {
     return this.tokens.get(token ?? '') ?? null;
+  }
+
+  // What a device is told that came; each role has one device.
+  recordedFor(role: Role): (RecordingState | NotRecorded)[] {
+    const device = role === 'helper' ? 1 : 3;
+    const now = this.recording?.state === 'recording' ? this.recording : null;
+    return [
+      ...(now?.device === device ? [] : [{ type: 'recording', device, state: 'none', name: '', frames: 0, text: '' } as const]),
+      ...(now && (now.device === device || role === 'helper') ? [now] : []),
+    ];
   }
 
   welcome(role: Role): Welcome {

@@ -34,7 +34,9 @@ class LiveHome::Session final : public service::SocketSession {
   void on_text(std::string_view text) override {
     const bool was_here = device_->is_here();
     device_->on_text(text);
-    if (!was_here && device_->is_here()) home_.tell_helpers(device_->seen());
+    if (was_here || !device_->is_here()) return;
+    home_.tell_helpers(device_->seen());
+    home_.tell_what_is_recorded(*device_);
   }
   void on_message(Bytes bytes) override { device_->on_message(std::move(bytes)); }
   void on_closed() override {
@@ -215,6 +217,17 @@ void LiveHome::tell_of_recording(std::int64_t device, const service::RecordingSt
     const bool wants_it = one->who().role == service::Role::kHelper || one->who().device == device;
     if (wants_it && one->is_here()) one->send(state);
   }
+}
+
+void LiveHome::tell_what_is_recorded(Device& device) const {
+  const service::Identity& who = device.who();
+  // Under the lock, so that the recording's end is told after this.
+  const std::scoped_lock lock(devices_mutex_);
+  const bool is_own = recorder_ && recording_device_ == who.device;
+  if (!is_own) device.send(service::RecordingState{who.device, "none", "", 0, ""});
+  if (!is_own && (!recorder_ || who.role != service::Role::kHelper)) return;
+  device.send(service::RecordingState{recording_device_, "recording", recorder_->name(),
+                                      recorder_->frames(), ""});
 }
 
 std::shared_ptr<WalkRecorder> LiveHome::recorder_for(const Device& device) {

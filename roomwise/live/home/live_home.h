@@ -240,6 +240,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   void tell_helpers(const service::HomeMessage& message) const;
   // Helpers and the device whose frames are recorded.
   void tell_of_recording(std::int64_t device, const service::RecordingState& state);
+  // To a device that came, also that nothing is: the end may have been told while it was away.
+  void tell_what_is_recorded(Device& device) const;
   void left(const std::shared_ptr<Device>& device);
   [[nodiscard]] Expected<void> check_idle() const;
   // Counts and tells what failed because of a full disk or damage. Else people were told all there

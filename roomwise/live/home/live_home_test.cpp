@@ -23,6 +23,7 @@ namespace roomwise::live {
 namespace {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -862,13 +863,17 @@ TEST_F(LiveHomeTest, TheWearerIsToldOfTheRecording) {
   const Client other = connect(8, service::Role::kDevice);
   ASSERT_OK(home->begin_recording(7, "walk"));
   belt.session->on_message(message_of(**walk.next()));
+  EXPECT_EQ(belt.wire->next<service::RecordingState>().state, "none") << "when it came";
   const auto begun = belt.wire->next<service::RecordingState>();
   EXPECT_EQ(begun.state, "recording");
   EXPECT_EQ(begun.device, 7);
   ASSERT_OK(home->end_recording());
   EXPECT_EQ(belt.wire->next<service::RecordingState>().state, "saved");
   EXPECT_EQ(other.wire->count<service::Welcome>(), 1);
-  EXPECT_EQ(other.wire->count<service::RecordingState>(), 0) << "it is nobody else's business";
+  EXPECT_EQ(other.wire->count<service::RecordingState>(
+                [](const service::RecordingState& one) { return one.device != 8; }),
+            0)
+      << "it is nobody else's business";
   other.session->on_closed();
   belt.session->on_closed();
 }
@@ -876,6 +881,7 @@ TEST_F(LiveHomeTest, TheWearerIsToldOfTheRecording) {
 TEST_F(LiveHomeTest, NothingIsToldOfARecordingAfterItsEnd) {
   open();
   const Client belt = connect(7, service::Role::kDevice);
+  EXPECT_EQ(belt.wire->next<service::RecordingState>().state, "none");
   ASSERT_OK(home->begin_recording(7, "walk"));
   // It ends while a frame that cannot be stored is in hand.
   std::atomic<bool> has_ended = false;
@@ -893,6 +899,30 @@ TEST_F(LiveHomeTest, NothingIsToldOfARecordingAfterItsEnd) {
   home.reset();
 }
 
+// It may have ended, or begun, while a device was away.
+TEST_F(LiveHomeTest, WhoComesIsToldWhatIsRecorded) {
+  open();
+  const auto told = [this](std::int64_t device, service::Role role) {
+    const Client client = connect(device, role);
+    std::vector<std::string> states;
+    while (client.wire->count<service::RecordingState>() > 0) {
+      const auto state = client.wire->next<service::RecordingState>();
+      states.push_back(fmt::format("{} {} {}", state.device, state.state, state.name));
+    }
+    client.session->on_closed();
+    return states;
+  };
+  const Client belt = connect(7, service::Role::kDevice);
+  EXPECT_THAT(told(1, service::Role::kHelper), ElementsAre("1 none "));
+  ASSERT_OK(home->begin_recording(7, "walk"));
+  EXPECT_THAT(told(7, service::Role::kDevice), ElementsAre("7 recording walk"));
+  EXPECT_THAT(told(8, service::Role::kDevice), ElementsAre("8 none "));
+  EXPECT_THAT(told(1, service::Role::kHelper), ElementsAre("1 none ", "7 recording walk"));
+  ASSERT_OK(home->end_recording());
+  EXPECT_THAT(told(7, service::Role::kDevice), ElementsAre("7 none "));
+  belt.session->on_closed();
+}
+
 TEST_F(LiveHomeTest, HelpersAreToldOfJobsAndDevices) {
   open();
   const Client page = connect(1, service::Role::kHelper);
@@ -902,13 +932,12 @@ TEST_F(LiveHomeTest, HelpersAreToldOfJobsAndDevices) {
   EXPECT_TRUE(came.online);
   ASSERT_OK(home->begin_recording(7, "walk"));
   while (auto frame = walk.next().value()) belt.session->on_message(message_of(*frame));
-  EXPECT_EQ(page.wire->next<service::RecordingState>().state, "recording");
+  const auto recording = [](const char* state) {
+    return [state](const service::RecordingState& one) { return one.state == state; };
+  };
+  EXPECT_EQ(page.wire->next<service::RecordingState>(recording("recording")).device, 7);
   ASSERT_OK(home->end_recording());
-  EXPECT_EQ(page.wire
-                ->next<service::RecordingState>(
-                    [](const service::RecordingState& one) { return one.state != "recording"; })
-                .state,
-            "saved");
+  EXPECT_EQ(page.wire->next<service::RecordingState>(recording("saved")).device, 7);
   home->jobs().wait();
   const auto done = page.wire->next<service::JobState>(
       [](const service::JobState& job) { return job.state != "running"; });

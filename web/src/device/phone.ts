@@ -2,7 +2,7 @@
 import { browserSession } from '../shared/browser_session';
 import { frameEnvelope } from '../shared/frame_envelope';
 import {
-  kProtocolVersion, type Aim, type FromComputer, type Hello, type Job, type Me, type Priority, type Prompt, type Question, type RecordingState,
+  kProtocolVersion, type Aim, type FromComputer, type Hello, type Job, type Me, type NotRecorded, type Priority, type Prompt, type Question, type RecordingState,
   type ThingInRooms, type Welcome,
 } from '../shared/protocol';
 import type { Session } from '../shared/session';
@@ -70,10 +70,10 @@ export class Phone {
   private isOver = false;
   private lastAsked = 0;
   private device: number | null; // this one's number, once the computer told it
-  private heldRecording: RecordingState | null = null; // came before that
+  private heldRecording: RecordingState | NotRecorded | null = null; // came before that
   private greeted: (() => void)[] = []; // to be told once hello was said of the camera that is used now
   // Of what is recorded and what became of it; set by who records.
-  whenRecording: (state: RecordingState['state']) => void = () => undefined;
+  whenRecording: (state: (RecordingState | NotRecorded)['state']) => void = () => undefined;
   whenJob: (job: Job) => void = () => undefined;
   whenShown: () => void = () => undefined; // enough of a thing to name it
   whenSettled: () => void = () => undefined; // a word changed the settings
@@ -319,7 +319,6 @@ export class Phone {
   private offline(): void {
     const wasOnline = this.state.online;
     this.state.online = false;
-    this.state.recording = null;
     this.state.teaching = 'no'; // the computer forgets what was shown
     this.sender.reset();
     this.answers.reset();
@@ -416,7 +415,7 @@ export class Phone {
   }
 
   // A helper's token hears of every device's.
-  private hearRecording(message: RecordingState): void {
+  private hearRecording(message: RecordingState | NotRecorded): void {
     if (this.device === null) {
       this.heldRecording = message;
     } else if (message.device === this.device) {
@@ -424,14 +423,14 @@ export class Phone {
     }
   }
 
-  private tellRecording({ state, name, frames }: RecordingState): void {
+  private tellRecording({ state, name, frames }: RecordingState | NotRecorded): void {
     const before = this.state.recording;
     this.state.recording = state === 'recording' ? name : null;
     this.state.pictures = frames;
     this.whenRecording(state);
-    if (state !== 'recording') {
+    if (state === 'saved' || state === 'failed') {
       this.say(`device.recording_${state}`);
-    } else if (before === null) {
+    } else if (state === 'recording' && before === null) {
       this.say('device.recording');
     }
   }

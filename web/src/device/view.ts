@@ -98,7 +98,7 @@ export class PhoneView {
     this.heading.textContent = state.home || 'Roomwise';
     chip(this.connection, state.online ? 'good' : 'bad',
       text(state.online ? 'phone.connected' : 'phone.not_connected'));
-    if (state.recording) {
+    if (state.online && state.recording) {
       chip(this.camera, 'good', text('phone.recording', { name: state.recording }));
     } else {
       chip(this.camera, state.camera === 'good' ? 'good' : 'bad', text(`phone.camera_${state.camera}`));

@@ -26,10 +26,14 @@ export class WalkRecording {
     private readonly role: () => Role,
   ) {
     phone.whenRecording = (state) => {
-      this.isRecorded = state !== 'saved'; // a picture that could not be stored ends nothing
-      if (!this.isRecorded) { // by a helper, perhaps
+      const isMissed = state === 'none' && this.isRecorded; // it ended while the phone was away
+      this.isRecorded = state === 'recording' || state === 'failed'; // a picture that could not be stored ends nothing
+      if (state === 'saved' || isMissed) { // by a helper, perhaps
         this.phone.setWaits(false);
         void this.endSession();
+      }
+      if (isMissed) {
+        this.say(text('ar.over'), 'alert', 'answer');
       }
     };
     phone.whenJob = (job) => this.hearJob(job);
@@ -108,8 +112,9 @@ export class WalkRecording {
         this.waitsForMap = true;
         await request('POST', '/api/recording/stop');
       } catch (error) {
+        this.waitsForMap = false;
+        this.phone.setWaits(true); // it may go on, and can be ended still
         this.say(messageOf(error), 'alert', 'answer');
-        return;
       }
     }
     await this.endSession();

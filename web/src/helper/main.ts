@@ -58,7 +58,7 @@ async function open(me: Me): Promise<void> {
     },
     onOffline: () => {
       helper.store.setOnline(false);
-      helper.store.forgetWatched(); // nobody knows what is so now
+      helper.store.forgetTold(); // nobody knows what is so now
       if (!wasLost) {
         wasLost = true;
         helper.announcer.say(text('helper.lost'), 'failed');

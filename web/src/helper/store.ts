@@ -99,6 +99,15 @@ export class HelperStore {
     this.tell('watched');
   }
 
+  // What the socket told before it was lost, and tells anew when it is back.
+  forgetTold(): void {
+    this.state.recording = null;
+    this.state.seen.clear();
+    this.tell('recording');
+    this.tell('seen');
+    this.forgetWatched();
+  }
+
   // What the socket said.
   receive(message: FromComputer): void {
     switch (message.type) {
@@ -117,7 +126,7 @@ export class HelperStore {
         break;
       }
       case 'recording':
-        this.state.recording = message;
+        this.state.recording = message.state === 'none' ? null : message;
         this.tell('recording');
         break;
       case 'device':

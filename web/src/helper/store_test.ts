@@ -89,3 +89,18 @@ test('who is gone is not led', () => {
   store.receive({ type: 'device', device: 3, name: 'phone', online: false, seen: null });
   assert.equal(store.state.watched.size, 0);
 });
+
+test('a recording, and who was seen, hold no longer than the connection', () => {
+  const store = new HelperStore();
+  const told: string[] = [];
+  store.watch(['recording'], () => told.push(store.state.recording?.name ?? 'none'));
+  store.watch(['seen'], () => told.push(`${store.state.seen.size} seen`));
+  const recording = { type: 'recording', device: 3, state: 'recording', name: 'walk', frames: 1, text: '' } as const;
+  store.state.devices = [{ device: 3, name: 'phone', role: 'device', paired: 0, last_seen: 0, online: true }];
+  store.receive(recording);
+  store.receive({ type: 'device', device: 3, name: 'phone', online: true, seen: null });
+  store.forgetTold();
+  store.receive(recording);
+  store.receive({ ...recording, device: 1, state: 'none', name: '' });
+  assert.deepEqual(told, ['none', '0 seen', 'walk', '1 seen', 'none', '0 seen', 'walk', 'none']);
+});

@@ -83,6 +83,11 @@ export interface RecordingState {
   text: string;
 }
 
+// Told once to a device that came, where it is not recorded.
+export interface NotRecorded extends Omit<RecordingState, 'state'> {
+  state: 'none';
+}
+
 export type JobKind = 'prepare' | 'map' | 'learn' | 'teach';
 export type JobState = 'running' | 'done' | 'failed' | 'stopped';
 
@@ -131,6 +136,7 @@ export type FromComputer =
   | Aim
   | Welcome
   | RecordingState
+  | NotRecorded
   | Job
   | DeviceSeen
   | WatchedDevice

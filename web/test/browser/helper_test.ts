@@ -222,6 +222,20 @@ test('recording a walk: started, watched, stopped', options, () => withServer(as
   await visit.close();
 }));
 
+test('what is recorded is shown to who comes, and a recording that ended while the computer was away no longer', options, () => withServer(async (server) => {
+  server.state.recording = { type: 'recording', device: 3, state: 'recording', name: 'evening', frames: 5, text: '' };
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#walks');
+  await visit.sees('Recording evening, 5 pictures', '.progress-words');
+  await visit.sees('Stop recording');
+  await server.stop();
+  server.state.recording = null;
+  await server.start();
+  await heardOnce(visit, 'Connected again.');
+  assert.ok(!(await visit.accessibleTexts()).includes('Stop recording'), 'nothing is recorded any more');
+  await visit.close();
+}));
+
 test('learning: progress is told in quarters, it can be stopped, its end is told', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'helper' });
   await visit.go('/');

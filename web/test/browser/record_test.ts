@@ -160,6 +160,38 @@ test('a view that is closed lets the recording wait; it is gone on with, or ende
   await visit.close();
 }));
 
+test('a recording that ended while the phone was away is over for its walker, too', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper', size: kPhone, before: madeUpXr });
+  await begin(visit);
+  await visit.press('Record the home');
+  await visit.hears('Recording.');
+  await server.stop();
+  await visit.hears('The connection is lost.');
+  await server.start();
+  await visit.hears('Connected again.');
+  await visit.sees('Stop recording', '.walk');
+  await server.stop();
+  server.state.recording = null;
+  await server.start();
+  await visit.hears('The recording is over.');
+  await visit.sees('Where am I', '.question');
+  await visit.sees('Camera sees', '.chip');
+  assert.equal((await visit.announced()).filter((one) => one === 'Recording.').length, 1, 'one that goes on is not told anew');
+  await visit.close();
+}));
+
+test('a recording whose end the computer refuses is over for its walker all the same', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper', size: kPhone, before: madeUpXr });
+  await begin(visit);
+  await visit.press('Record the home');
+  await visit.hears('Recording.');
+  server.state.recording = null;
+  await visit.press('Stop recording');
+  await visit.hears('The recording is over.');
+  await visit.sees('Where am I', '.question');
+  await visit.close();
+}));
+
 for (const [name, words] of [['NotAllowedError', 'Allow both for this page.'], ['InvalidStateError', 'Augmented reality did not start.']] as const) {
   test(`a session that is refused by ${name} is told of, and the phone goes on as before`, options, () => withServer(async (server) => {
     const visit = await openVisit(server, { role: 'helper', size: kPhone, before: madeUpXr });
