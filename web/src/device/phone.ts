@@ -66,6 +66,7 @@ export class Phone {
   private helloCamera: string = '';
   private grabbing = false;
   private everOnline = false;
+  private saysHelloAnew = false; // it gives the connection up itself
   private timer = 0;
   private isOver = false;
   private lastAsked = 0;
@@ -324,8 +325,7 @@ export class Phone {
     this.answers.reset();
     this.connection.offline(performance.now());
     this.whenAimed(null);
-    if (wasOnline && this.ledAgain.lost()) {
-      this.player.withdrawAnswers(); // words of a computer that is gone: nobody is to walk by them
+    if (wasOnline && this.ledAgain.lost() && !this.saysHelloAnew) {
       this.tellConnection(this.connection.gone());
     }
     if (!wasOnline) {
@@ -376,7 +376,9 @@ export class Phone {
     const { troubled } = this.cameraWatch;
     this.setCamera(troubled === 'failed' ? 'good' : (troubled ?? 'good'));
     if (this.session.online && JSON.stringify(this.camera.description) !== this.helloCamera) {
-      this.session.reconnect(); // the camera came later, or the phone was turned: hello is said anew
+      this.saysHelloAnew = true; // the camera came later, or the phone was turned
+      this.session.reconnect();
+      this.saysHelloAnew = false;
       return;
     }
     void this.sendPicture();
@@ -450,6 +452,7 @@ export class Phone {
 
   private tellConnection(news: ConnectionNews): void {
     if (news === 'lost' && this.state.led) {
+      this.player.withdrawAnswers(); // words of a computer that is gone: nobody is to walk by them
       this.say('device.connection_lost_led');
     } else if (news) {
       this.say(this.everOnline || news === 'back' ? `device.connection_${news}` : 'device.connecting');

@@ -9,7 +9,7 @@ import { recordSpeech, speaks, spoken, voicesUsed, type Voice } from './person';
 after(closeBrowser);
 const options = { skip: skipReason };
 
-// A camera whose picture the test chooses: window.scene = 'room', 'dark' or 'covered'.
+// A camera whose picture the test chooses: window.scene = 'room', 'dark' or 'covered'; 'turned' is the room upright.
 function sceneCamera(): void {
   const world = window as unknown as { scene: string };
   world.scene = 'room';
@@ -26,9 +26,13 @@ function sceneCamera(): void {
       if (world.scene === 'frozen') {
         return;
       }
+      const isUpright = world.scene === 'turned';
+      if (isUpright !== canvas.height > canvas.width) {
+        [canvas.width, canvas.height] = isUpright ? [480, 640] : [640, 480];
+      }
       context.fillStyle = world.scene === 'dark' ? '#030303' : '#9a6a5a';
-      context.fillRect(0, 0, 640, 480);
-      for (let i = 0; world.scene === 'room' && i < 60; i += 1) {
+      context.fillRect(0, 0, 640, 640);
+      for (let i = 0; (world.scene === 'room' || isUpright) && i < 60; i += 1) {
         context.fillStyle = `rgb(${(i * 67) % 255}, ${(i * 29) % 255}, ${(i * 97) % 255})`;
         context.fillRect((i * 83 + count) % 600, (i * 59) % 440, 40, 40);
       }
@@ -617,6 +621,29 @@ test('a lost connection is said, questions meanwhile are answered by that, and i
   assert.equal((await visit.announced()).filter((one) => one.includes('is lost')).length, 2);
   await visit.press('Where am I');
   await visit.hears('You are in the kitchen.');
+  await visit.close();
+}));
+
+test('who turns the phone while they are led is led on; that hello is said anew is no loss, unless the computer is gone', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: [sceneCamera, keepVibrations] });
+  await start(visit, 'reader');
+  const [lost, back] = ['[400,100,400]', '[40,60,40,60,120]'];
+  const felt = (): Promise<string[]> => visit.page.evaluate(() => (window as unknown as { felt: unknown[] }).felt.map((one) => JSON.stringify(one)));
+  const connectionFelt = async (): Promise<string[]> => (await felt()).filter((one) => one === lost || one === back);
+  await visit.press('Take me…');
+  await visit.press('microwave');
+  await visit.hears('Turn right');
+  await setScene(visit, 'turned');
+  await until(() => server.newest('device').hello?.camera?.height === 640 && server.newest('device').frames > 2);
+  server.tell('device', { type: 'seen', t: 1, verdict: 'room', room: 'kitchen', probability: 1, why: '', position: { x: 0, y: 0, z: 0, heading_degrees: 0, sigma_m: 0.1 } });
+  await gets(() => server.newest('device').asked.map((one) => one['question']), ['take_me_to']);
+  assert.deepEqual(await connectionFelt(), []);
+  server.silent = true;
+  await setScene(visit, 'room');
+  await visit.hears('Stop. The connection is lost.');
+  server.silent = false;
+  await visit.hears('Connected again.');
+  assert.deepEqual(await connectionFelt(), [lost, back]);
   await visit.close();
 }));
 
