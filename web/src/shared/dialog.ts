@@ -16,6 +16,30 @@ interface Regions {
 const kKeptLines = 12; // in a dialog's log
 const opened: Regions[] = []; // the topmost last
 
+// Brings the focus back to where it is now; where that was drawn anew meanwhile, to what has its data-key there, else to the
+// heading of its part.
+function wayBack(): () => void {
+  const opener = document.activeElement;
+  const around: Element[] = [];
+  for (let one = opener?.parentElement; one; one = one.parentElement) {
+    around.push(one);
+  }
+  return () => {
+    const parts = around.filter(isShown);
+    const keyed = [...parts[0]?.querySelectorAll<HTMLElement>('[data-key]') ?? []];
+    const again = [opener, ...keyed.filter((one) => opener instanceof HTMLElement && one.dataset['key'] === opener.dataset['key'])].find(isShown);
+    const heading = parts.flatMap((part) => [...part.children]).find((one) => isShown(one) && one.matches('h1, h2, h3, h4'));
+    if (!again) {
+      heading?.setAttribute('tabindex', '-1');
+    }
+    ((again ?? heading) as HTMLElement | undefined)?.focus();
+  };
+}
+
+function isShown(element: Element | null): boolean {
+  return element !== null && element.getClientRects().length > 0;
+}
+
 // Has the line read from the topmost dialog that is open. False where none is: then the page itself is read.
 export function sayInDialog(line: HTMLElement, isUrgent: boolean): boolean {
   const top = opened[opened.length - 1];
@@ -33,7 +57,7 @@ export function sayInDialog(line: HTMLElement, isUrgent: boolean): boolean {
 }
 
 export function openDialog(title: string, content: readonly Child[], closed: () => void = () => undefined): OpenDialog {
-  const opener = document.activeElement;
+  const goBack = wayBack();
   const id = newId('dialog');
   const element = h('dialog', { 'aria-labelledby': id, class: 'dialog' });
   const regions = {
@@ -57,9 +81,7 @@ export function openDialog(title: string, content: readonly Child[], closed: () 
     }
     element.remove();
     opened.splice(opened.indexOf(regions), 1);
-    if (opener instanceof HTMLElement && opener.isConnected) {
-      opener.focus();
-    }
+    goBack();
     closed();
   };
   element.addEventListener('close', leave); // by a gesture of the browser's own

@@ -94,7 +94,12 @@ test('revoking a device asks first, and is said once', options, () => withServer
   await visit.press('Remove');
   await heardOnce(visit, 'Chest camera is removed.');
   await gets(() => server.state.requests, ['DELETE /api/devices/4']);
-  assert.notEqual(await visit.focused(), '');
+  assert.equal(await visit.focused(), 'Paired devices', 'its row is gone');
+  await visit.press("Rename Anna's phone");
+  await retype(visit, 'Phone');
+  await visit.page.keyboard.press('Enter');
+  await heardOnce(visit, 'It is called Phone now.');
+  assert.equal(await visit.focused(), 'Rename Phone', 'its row was drawn anew');
   await visit.close();
 }));
 
