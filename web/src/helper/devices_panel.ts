@@ -1,7 +1,7 @@
 // Who is connected, who may connect.
 import { messageOf, request } from '../shared/api';
 import { openDialog } from '../shared/dialog';
-import { h } from '../shared/dom';
+import { h, replaceChildren, setText } from '../shared/dom';
 import { radioField, textField } from '../shared/forms';
 import { icon } from '../shared/icons';
 import type { Authority, Device, Me, PairingCode, Role } from '../shared/protocol';
@@ -10,37 +10,48 @@ import { act, type Helper } from './actions';
 import { openFormDialog, required } from './form_dialog';
 import { qrPicture } from './qr';
 import { verdictWords } from './recognise_panel';
-import { rerender } from './rerender';
+import { keptRows, type Row } from './rerender';
 import { card, panel } from './shell';
 
 export function devicesPanel(helper: Helper, me: Me): HTMLElement {
   const list = h('ul', { class: 'devices' });
-  helper.store.watch(['devices', 'seen'], () => {
-    rerender(list, helper.store.state.devices.map((device) => deviceView(helper, me, device)));
-  });
+  const show = keptRows(list, ({ device }: Device) => device, (device) => deviceRow(helper, me, device));
+  helper.store.watch(['devices', 'seen'], () => show(helper.store.state.devices));
   return panel(text('nav.devices'), card(text('devices.paired'), list), pairCard(helper), authorityCard());
 }
 
-function deviceView(helper: Helper, me: Me, device: Device): HTMLElement {
+function deviceRow(helper: Helper, me: Me, first: Device): Row<Device> {
+  let device = first;
+  const own = device.device === me.device;
+  const name = h('p', { class: 'device-name' });
+  const state = h('p');
+  const facts = h('p', { class: 'hint' });
+  const button = (what: 'rename' | 'revoke', run: () => void): HTMLElement =>
+    h('button', { type: 'button', class: 'small', 'data-key': `${what} ${device.device}`, onclick: run }, text(`devices.${what}`));
+  const buttons = [button('rename', () => rename(helper, device)), button('revoke', () => revoke(helper, device, own))];
+  return {
+    element: h('li', {}, h('div', {}, name, state, facts), h('div', { class: 'row tight' }, ...buttons)),
+    show: (now) => {
+      device = now;
+      setText(name, own ? `${device.name} (${text('devices.this_one')})` : device.name);
+      buttons.forEach((one) => one.setAttribute('aria-label', `${one.textContent} ${device.name}`));
+      const isOnline = device.online ? text('phone.connected') : text('phone.not_connected');
+      if (state.textContent !== isOnline) {
+        state.className = `chip ${device.online ? 'good' : 'off'}`;
+        replaceChildren(state, icon(device.online ? 'tick' : 'cross'), isOnline);
+      }
+      setText(facts, factsOf(helper, device));
+    },
+  };
+}
+
+function factsOf(helper: Helper, device: Device): string {
   const seen = device.online ? helper.store.state.seen.get(device.device)?.seen : null;
-  const facts = [
+  return [
     text(`devices.role_${device.role}`),
     device.online ? '' : text('devices.last_seen', { time: formatTime(device.last_seen) }),
     seen ? text('devices.sees', { verdict: verdictWords(seen.verdict, seen.room, seen.probability) }) : '',
-  ].filter((fact) => fact !== '');
-  const own = device.device === me.device;
-  return h('li', {},
-    h('div', {},
-      h('p', { class: 'device-name' }, device.name, own ? ` (${text('devices.this_one')})` : ''),
-      h('p', { class: `chip ${device.online ? 'good' : 'off'}` }, icon(device.online ? 'tick' : 'cross'), text(device.online ? 'phone.connected' : 'phone.not_connected')),
-      h('p', { class: 'hint' }, facts.join(' · '))),
-    h('div', { class: 'row tight' }, h('button', {
-      type: 'button', class: 'small', 'data-key': `rename ${device.device}`,
-      'aria-label': `${text('devices.rename')} ${device.name}`, onclick: () => rename(helper, device),
-    }, text('devices.rename')), h('button', {
-      type: 'button', class: 'small', 'data-key': `revoke ${device.device}`,
-      'aria-label': `${text('devices.revoke')} ${device.name}`, onclick: () => revoke(helper, device, own),
-    }, text('devices.revoke'))));
+  ].filter((fact) => fact !== '').join(' · ');
 }
 
 function rename(helper: Helper, device: Device): void {

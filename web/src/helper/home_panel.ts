@@ -1,6 +1,6 @@
 // The home: in three dimensions, and the same in words.
 import { messageOf, requestBytes } from '../shared/api';
-import { h, replaceChildren } from '../shared/dom';
+import { h, replaceChildren, setText } from '../shared/dom';
 import { textField } from '../shared/forms';
 import { counted, text } from '../shared/texts';
 import type { View3d } from '../view3d/view3d';
@@ -36,10 +36,7 @@ function wordsView(helper: Helper): HTMLElement {
     const outline = outlineOf(home, search.value());
     rerender(tree, outlineView(helper, home, outline));
     const { rooms, things } = countOf(outline);
-    const words = `${counted('home.rooms', rooms)}, ${counted('home.things', things)}`;
-    if (count.textContent !== words) {
-      count.textContent = words;
-    }
+    setText(count, `${counted('home.rooms', rooms)}, ${counted('home.things', things)}`);
   };
   search.input.addEventListener('input', show);
   store.watch(['home'], show);

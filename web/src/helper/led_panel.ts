@@ -1,6 +1,6 @@
 // How people are led, live: the plan from above with the way and where they are, the same in words, and what the guide
 // says. The computer sends it while this part is shown, of those who let helpers watch.
-import { h, replaceChildren } from '../shared/dom';
+import { h, replaceChildren, setText } from '../shared/dom';
 import { checkField } from '../shared/forms';
 import type { WatchedWalk } from '../shared/protocol';
 import { svg } from '../shared/svg';
@@ -87,10 +87,7 @@ class WalkView {
     const { home, plan } = this.helper.store.state;
     const words = ledWords(watched, walk, plan, now);
     this.name.textContent = watched.name;
-    const state = text(`led.state_${walk.state}`);
-    if (this.state.textContent !== state) {
-      this.state.textContent = state;
-    }
+    setText(this.state, text(`led.state_${walk.state}`));
     this.words.textContent = words;
     if (plan.rooms.length === 0) {
       this.stage.hidden = true;

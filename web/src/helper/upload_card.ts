@@ -1,11 +1,11 @@
 // Handing in what an app recorded: a file that is sent in pieces, then unpacked and mapped.
 import { messageOf, request } from '../shared/api';
-import { h, replaceChildren } from '../shared/dom';
+import { h, setText } from '../shared/dom';
 import { textField } from '../shared/forms';
 import { formatNumber, formatPercent, text } from '../shared/texts';
 import { handIn, UploadStopped, type UploadState } from '../shared/upload';
 import { actAndSay, actOrSay, type Helper } from './actions';
-import { rerender } from './rerender';
+import { keptRows, type Row } from './rerender';
 import { card } from './shell';
 
 export function uploadCard(helper: Helper): HTMLElement {
@@ -68,23 +68,36 @@ export function uploadCard(helper: Helper): HTMLElement {
   // What lies at the computer and is not mapped: begun elsewhere, or refused.
   function showWaiting(): void {
     request<{ uploads: UploadState[] }>('GET', '/api/uploads')
-      .then(({ uploads }) => rerender(waiting, uploads.map(waitingView)))
+      .then(({ uploads }) => rows(uploads))
       .catch(() => undefined); // told again by what is done next
   }
 
-  function waitingView(one: UploadState): HTMLElement {
-    const isWhole = one.offset >= one.bytes;
-    const state = isWhole ? text('upload.whole', { name: one.name })
-      : text('upload.part', { name: one.name, part: formatPercent(one.offset / one.bytes) });
-    const remove = (): void => actOrSay(helper, () => request('DELETE', `/api/uploads/${one.upload}`).then(showWaiting), text('upload.removed', { name: one.name }));
-    const map = (): void => actOrSay(helper, () => request('POST', `/api/uploads/${one.upload}/map`).then(showWaiting), text('upload.sent'));
-    return h('li', {}, h('span', {}, state),
-      isWhole ? h('button', { type: 'button', class: 'small', 'data-key': `map ${one.upload}`, 'aria-label': `${text('upload.map')} ${one.name}`, onclick: map }, text('upload.map')) : null,
-      h('button', { type: 'button', class: 'small', 'data-key': `remove ${one.upload}`, 'aria-label': `${text('upload.remove')} ${one.name}`, onclick: remove }, text('upload.remove')));
+  function waitingRow({ upload, name }: UploadState): Row<UploadState> {
+    const state = h('span');
+    const button = (what: 'map' | 'remove', method: 'POST' | 'DELETE', path: string, done: string): HTMLElement => h('button', {
+      type: 'button', class: 'small', 'data-key': `${what} ${upload}`, 'aria-label': `${text(`upload.${what}`)} ${name}`,
+      onclick: () => actOrSay(helper, () => request(method, path).then(showWaiting), done),
+    }, text(`upload.${what}`));
+    const map = button('map', 'POST', `/api/uploads/${upload}/map`, text('upload.sent'));
+    return {
+      element: h('li', {}, state, map, button('remove', 'DELETE', `/api/uploads/${upload}`, text('upload.removed', { name }))),
+      show: ({ offset, bytes }) => {
+        map.hidden = offset < bytes;
+        setText(state, map.hidden ? text('upload.part', { name, part: formatPercent(offset / bytes) }) : text('upload.whole', { name }));
+      },
+    };
   }
 
-  helper.store.watch(['job', 'online'], showWaiting);
-  replaceChildren(waiting);
+  const rows = keptRows(waiting, ({ upload }: UploadState) => upload, waitingRow);
+  let shownFor = ''; // a job's progress changes nothing here
+  helper.store.watch(['job', 'online'], () => {
+    const { job, online } = helper.store.state;
+    const now = `${job?.kind} ${job?.state} ${online}`;
+    if (now !== shownFor) {
+      shownFor = now;
+      showWaiting();
+    }
+  });
   return card(text('upload.heading'), h('p', { class: 'hint' }, text('upload.explain')),
     h('p', { class: 'hint' }, text('upload.when')), form, bar, words, news, waiting);
 }

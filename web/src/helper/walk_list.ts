@@ -1,13 +1,13 @@
 // All walks: when they were recorded, in which colour their way is drawn, and what can be done to each.
 import { request } from '../shared/api';
-import { h, type Child } from '../shared/dom';
+import { h, setText } from '../shared/dom';
 import type { Recording } from '../shared/protocol';
 import { svg } from '../shared/svg';
 import { counted, formatTime, text } from '../shared/texts';
 import { kWalkColours } from '../view3d/walk_colours';
 import { act, actOrSay, type Helper } from './actions';
 import { openFormDialog } from './form_dialog';
-import { rerender } from './rerender';
+import { keptRows, type Row } from './rerender';
 import { card } from './shell';
 
 export function walkListCard(helper: Helper): HTMLElement {
@@ -19,6 +19,7 @@ export function walkListCard(helper: Helper): HTMLElement {
   }, text('walks.go_on'));
   const row = h('div', { class: 'row' }, goOn);
   const element = card(text('walks.all'), list, row);
+  const show = keptRows(list, ({ walk }: ListedWalk) => walk.id, (walk) => walkRow(helper, walk));
   store.watch(['home', 'job', 'recording'], () => {
     const { home, keyframes, job, recording } = store.state;
     const walks = home?.recordings ?? [];
@@ -27,31 +28,45 @@ export function walkListCard(helper: Helper): HTMLElement {
     row.hidden = isBusy || !(isStopped || walks.some(({ finished }) => !finished));
     element.hidden = walks.length === 0 && row.hidden;
     const isReady = keyframes.length > 0;
-    rerender(list, walks.map((walk, i) => h('li', {}, ...walkView(helper, walk, i, isReady && !keyframes.some((one) => one.recording === walk.id)))));
+    show(walks.map((walk) => ({ walk, isApart: isReady && !keyframes.some((one) => one.recording === walk.id) })));
   });
   return element;
 }
 
-function walkView(helper: Helper, walk: Recording, place: number, isApart: boolean): Child[] {
-  const facts = [
+interface ListedWalk {
+  walk: Recording;
+  isApart: boolean; // not on the map with the others
+}
+
+function walkRow(helper: Helper, { walk: first }: ListedWalk): Row<ListedWalk> {
+  let walk = first;
+  const line = svg('path', { d: 'M2 12H22', 'stroke-width': 5, 'stroke-linecap': 'round' }); // as its way is drawn in three dimensions
+  const name = h('span');
+  const facts = h('span', { class: 'hint facts' });
+  const button = h('button', {
+    type: 'button', class: 'small', 'data-key': `forget ${walk.id}`, onclick: () => forget(helper, walk),
+  }, text('walks.forget'));
+  return {
+    element: h('li', {},
+      h('span', { class: 'pictured' }, svg('svg', { viewBox: '0 0 24 24', class: 'swatch', 'aria-hidden': 'true' }, line), h('span', {}, name, facts)),
+      button),
+    show: (now, place) => {
+      walk = now.walk;
+      line.setAttribute('stroke', kWalkColours[place % kWalkColours.length] as string);
+      setText(name, walk.name);
+      setText(facts, factsOf(now));
+      button.setAttribute('aria-label', `${text('walks.forget')} ${walk.name}`);
+    },
+  };
+}
+
+function factsOf({ walk, isApart }: ListedWalk): string {
+  return [
     walk.recorded === null ? '' : text('walks.recorded', { when: formatTime(walk.recorded) }),
     counted('home.frames', walk.frames),
     walk.finished ? '' : text('walks.unfinished'),
     walk.finished && isApart ? text('walks.apart') : '',
-  ].filter((fact) => fact !== '');
-  return [
-    h('span', { class: 'pictured' }, swatch(place), h('span', {}, walk.name, h('span', { class: 'hint facts' }, facts.join(' · ')))),
-    h('button', {
-      type: 'button', class: 'small', 'data-key': `forget ${walk.id}`, 'aria-label': `${text('walks.forget')} ${walk.name}`,
-      onclick: () => forget(helper, walk),
-    }, text('walks.forget')),
-  ];
-}
-
-// As its way is drawn in the view in three dimensions.
-function swatch(place: number): Element {
-  const line = svg('path', { d: 'M2 12H22', 'stroke-width': 5, 'stroke-linecap': 'round', stroke: kWalkColours[place % kWalkColours.length] as string });
-  return svg('svg', { viewBox: '0 0 24 24', class: 'swatch', 'aria-hidden': 'true' }, line);
+  ].filter((fact) => fact !== '').join(' · ');
 }
 
 function forget(helper: Helper, { id, name }: Recording): void {

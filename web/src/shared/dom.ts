@@ -43,6 +43,13 @@ export function replaceChildren(parent: Element, ...children: Child[]): void {
   append(parent, children);
 }
 
+// Leaves alone what says that already: a screen reader would read it anew, and a press on it would be lost.
+export function setText(element: Element, words: string): void {
+  if (element.textContent !== words) {
+    element.textContent = words;
+  }
+}
+
 // The element of the page itself, which the HTML is known to hold.
 export function byId(id: string): HTMLElement {
   const element = document.getElementById(id);

@@ -7,7 +7,7 @@ import { after, test } from 'node:test';
 import { drawnRoom } from '../drawn_picture';
 import { kSecret, tellJob, tellRecording } from '../stand_in_api';
 import { closeBrowser, gets, kDesktop, kPhone, openVisit, skipReason, withServer } from './harness';
-import { goTo, heardOnce, retype } from './person';
+import { goTo, heardOnce, pressWhile, retype } from './person';
 
 after(closeBrowser);
 const options = { skip: skipReason };
@@ -100,6 +100,22 @@ test('revoking a device asks first, and is said once', options, () => withServer
   await visit.page.keyboard.press('Enter');
   await heardOnce(visit, 'It is called Phone now.');
   assert.equal(await visit.focused(), 'Rename Phone', 'its row was drawn anew');
+  await visit.close();
+}));
+
+test('a press on a device that is seen meanwhile is not lost', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#devices');
+  await visit.sees("Anna's phone", '.device-name');
+  await visit.sees('Connected', '.chip');
+  await pressWhile(visit, "Rename Anna's phone", async () => {
+    server.tell('helper', {
+      type: 'device', device: 3, name: "Anna's phone", online: true,
+      seen: { t: 1, verdict: 'room', room: 'kitchen', probability: 0.97, why: '', position: null },
+    });
+    await visit.sees('kitchen (97%)', '.devices');
+  });
+  await visit.sees("What is Anna's phone to be called?", 'dialog h2');
   await visit.close();
 }));
 

@@ -22,6 +22,20 @@ export async function heardOnce(visit: Visit, words: string): Promise<void> {
   assert.equal((await visit.announced()).filter((one) => one.includes(words)).length, 1, words);
 }
 
+// Presses the mouse on the control of this name, and lets it go once `meanwhile` is over.
+export async function pressWhile(visit: Visit, name: string, meanwhile: () => Promise<void>): Promise<void> {
+  await visit.tabTo(name);
+  const box = await visit.page.evaluate(() => {
+    const { x, y, width, height } = (document.activeElement as Element).getBoundingClientRect();
+    return { x: x + width / 2, y: y + height / 2 };
+  });
+  await visit.page.mouse.move(box.x, box.y);
+  await visit.page.mouse.down();
+  await meanwhile();
+  assert.equal(await visit.focused(), name);
+  await visit.page.mouse.up();
+}
+
 export interface Voice {
   name: string;
   lang: string;

@@ -63,6 +63,16 @@ test('what is there already is not sent again, and what waits can be mapped or r
   await visit.sees('scan 2500.zip: 80% is there');
   await visit.sees('old.zip is there and not mapped');
   await visit.assertAccessible('what waits');
+  await visit.sees('Connected', '.chip');
+  tellJob(server, 'running', 0.1, 'mapping', 'map');
+  await visit.sees('Making the map, 10%', '.progress-words');
+  await visit.page.waitForNetworkIdle();
+  const asked = (): number => visit.requests.filter((one) => one.endsWith('/api/uploads')).length;
+  const before = asked();
+  tellJob(server, 'running', 0.2, 'mapping', 'map');
+  await visit.sees('Making the map, 20%', '.progress-words');
+  await visit.page.waitForNetworkIdle();
+  assert.equal(asked(), before, 'a job that goes on changes nothing here');
   await visit.press('Remove old.zip');
   await heardOnce(visit, 'old.zip is removed.');
   await choose(visit, path);

@@ -4,7 +4,7 @@ import { after, test } from 'node:test';
 
 import { tellJob } from '../stand_in_api';
 import { closeBrowser, gets, kDesktop, kPhone, openVisit, skipReason, withServer } from './harness';
-import { goTo, heardOnce } from './person';
+import { goTo, heardOnce, pressWhile } from './person';
 
 after(closeBrowser);
 const options = { skip: skipReason };
@@ -59,5 +59,18 @@ test('a map that was stopped is gone on with by a button', options, () => withSe
   await visit.press('Go on with the map');
   await heardOnce(visit, 'The map is gone on with.');
   await gets(() => server.state.requests, ['POST /api/job/go_on']);
+  await visit.close();
+}));
+
+test('a press on a walk while a map is made is not lost', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#walks');
+  await visit.sees('96 pictures', '.walks');
+  await visit.sees('Connected', '.chip');
+  await pressWhile(visit, 'Forget walk', async () => {
+    tellJob(server, 'running', 0.4, 'mapping', 'map');
+    await visit.sees('Making the map, 40%', '.progress-words');
+  });
+  await visit.sees('Forget the walk walk?', 'dialog');
   await visit.close();
 }));
