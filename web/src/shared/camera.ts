@@ -13,6 +13,7 @@ export class Camera implements PictureSource {
   private starting: Promise<CameraFailure | null> | null = null;
   private wasOpen = false;
   private isHeld = false; // somebody else on this page needs the camera
+  private stops = 0; // a stream that was asked for before the last is stopped when it comes
   private readonly picture = document.createElement('canvas');
   private readonly small = document.createElement('canvas');
 
@@ -33,31 +34,44 @@ export class Camera implements PictureSource {
     if (this.isHeld) {
       return null;
     }
-    this.starting ??= this.tryToOpen().finally(() => (this.starting = null));
+    this.starting ??= this.tryToOpen();
     return this.starting;
   }
 
   private async tryToOpen(): Promise<CameraFailure | null> {
+    this.stop();
+    const mine = this.stops;
     try {
-      await this.open();
-      this.wasOpen = true;
+      await this.open(() => mine === this.stops);
       return null;
     } catch (error) {
-      return error instanceof DOMException && error.name === 'NotAllowedError' ? 'refused' : 'failed';
+      const isRefused = error instanceof DOMException && error.name === 'NotAllowedError';
+      return mine !== this.stops ? null : isRefused ? 'refused' : 'failed';
+    } finally {
+      if (mine === this.stops) {
+        this.starting = null;
+      }
     }
   }
 
-  private async open(): Promise<void> {
-    this.stop();
-    this.stream = await navigator.mediaDevices.getUserMedia({
+  private async open(isWanted: () => boolean): Promise<void> {
+    const stream = await navigator.mediaDevices.getUserMedia({
       audio: false,
       video: { facingMode: { ideal: 'environment' }, width: { ideal: 640 }, height: { ideal: 480 } },
     });
-    this.video.srcObject = this.stream;
+    if (!isWanted()) {
+      stream.getTracks().forEach((track) => track.stop());
+      return;
+    }
+    this.stream = stream;
+    this.video.srcObject = stream;
     await this.video.play();
+    this.wasOpen = true;
   }
 
   stop(): void {
+    this.stops += 1;
+    this.starting = null; // whoever wants it again has to ask for it anew
     this.stream?.getTracks().forEach((track) => track.stop());
     this.stream = null;
   }

@@ -36,6 +36,30 @@ export async function pressWhile(visit: Visit, name: string, meanwhile: () => Pr
   await visit.page.mouse.up();
 }
 
+export interface HeldCamera {
+  isHeld: boolean; // who asks for a camera waits
+  tracks: MediaStreamTrack[]; // of the one that was given last
+  give: (() => void) | null; // to who waits
+}
+
+// window.heldCamera. It runs in the page, after what makes up its camera.
+export function holdCamera(): void {
+  const world: HeldCamera = { isHeld: false, tracks: [], give: null };
+  (window as unknown as { heldCamera: HeldCamera }).heldCamera = world;
+  if (!('mediaDevices' in navigator)) {
+    return; // the empty page before the first, in Firefox
+  }
+  const ask = navigator.mediaDevices.getUserMedia.bind(navigator.mediaDevices);
+  navigator.mediaDevices.getUserMedia = async (what) => {
+    if (world.isHeld) {
+      await new Promise<void>((resolve) => (world.give = resolve));
+    }
+    const stream = await ask(what);
+    world.tracks = stream.getTracks();
+    return stream;
+  };
+}
+
 export interface Voice {
   name: string;
   lang: string;

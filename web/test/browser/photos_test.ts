@@ -8,7 +8,7 @@ import type { ElementHandle } from 'puppeteer-core';
 
 import { drawnRoom } from '../drawn_picture';
 import { closeBrowser, gets, kPatience, kPhone, kWaiting, openVisit, skipReason, withServer, type Visit } from './harness';
-import { goTo, heardOnce } from './person';
+import { goTo, heardOnce, holdCamera, type HeldCamera } from './person';
 
 const folder = mkdtempSync(join(tmpdir(), 'roomwise-'));
 after(async () => {
@@ -115,6 +115,23 @@ test('a turn on the spot: dark, blurred and doubled photos are refused with the 
   await heardOnce(visit, 'Learning has started.');
   await visit.press('Remove kitchen');
   await heardOnce(visit, 'The photos of kitchen are removed.');
+  await visit.close();
+}));
+
+test('a camera that comes once its dialog is closed is turned off', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper', before: [turningCamera, holdCamera] });
+  await visit.go('/#recognise');
+  await visit.page.evaluate(() => void ((window as unknown as { heldCamera: HeldCamera }).heldCamera.isHeld = true));
+  await visit.tabTo('Room');
+  await visit.type('hall');
+  await visit.press('Take photos in this room');
+  await visit.sees('Photos: hall', 'dialog h2');
+  await visit.page.keyboard.press('Escape');
+  await visit.page.evaluate(() => (window as unknown as { heldCamera: HeldCamera }).heldCamera.give?.());
+  await visit.page.waitForFunction(() => {
+    const { tracks } = (window as unknown as { heldCamera: HeldCamera }).heldCamera;
+    return tracks.length > 0 && tracks.every((track) => track.readyState === 'ended');
+  }, kWaiting);
   await visit.close();
 }));
 

@@ -7,7 +7,7 @@ import { tellJob, tellRecording } from '../stand_in_api';
 import type { Client, StandInServer } from '../stand_in_server';
 import { madeUpXr, noXr, type XrWorld } from '../made_up_xr';
 import { closeBrowser, gets, kPatience, kPhone, kWaiting, openVisit, skipReason, withServer, type Visit } from './harness';
-import { speaks, recordSpeech } from './person';
+import { holdCamera, speaks, recordSpeech, type HeldCamera } from './person';
 
 after(closeBrowser);
 const options = { skip: skipReason };
@@ -214,6 +214,32 @@ test('a recording that the computer refuses is told of with its reason', options
   await visit.press('Record the home');
   await visit.hears('The recording did not start. this device is not connected');
   await visit.sees('Where am I', '.question');
+  await visit.close();
+}));
+
+test('a camera that comes while augmented reality has it is turned off, and comes back afterwards', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper', size: kPhone, before: [madeUpXr, holdCamera] });
+  await begin(visit);
+  await visit.page.evaluate(() => {
+    const world = (window as unknown as { heldCamera: HeldCamera }).heldCamera;
+    world.isHeld = true;
+    world.tracks.splice(0).forEach((track) => track.stop()); // so that it is asked for anew
+  });
+  await visit.page.waitForFunction(() => (window as unknown as { heldCamera: HeldCamera }).heldCamera.give !== null, kWaiting);
+  await visit.press('Record the home');
+  await visit.hears('Recording.');
+  await visit.page.evaluate(() => {
+    const world = (window as unknown as { heldCamera: HeldCamera }).heldCamera;
+    world.isHeld = false;
+    world.give?.();
+  });
+  await visit.page.waitForFunction(() => {
+    const { tracks } = (window as unknown as { heldCamera: HeldCamera }).heldCamera;
+    return tracks.length > 0 && tracks.every((track) => track.readyState === 'ended');
+  }, kWaiting);
+  await visit.press('Stop recording');
+  await visit.hears('The recording is saved.');
+  await visit.sees('Camera sees', '.chip');
   await visit.close();
 }));
 
