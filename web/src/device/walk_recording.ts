@@ -1,5 +1,6 @@
 // Recording a walk with this phone alone: augmented reality where the browser has it, else words on which app to use.
 import { messageOf, request } from '../shared/api';
+import { at } from '../shared/base';
 import { openDialog } from '../shared/dialog';
 import { h } from '../shared/dom';
 import { wordsOfEnd } from '../shared/job_words';
@@ -186,6 +187,6 @@ function openAdvice(role: Role): void {
     h('p', {}, text('apps.why')),
     h('p', {}, text('apps.which')),
     h('ul', { class: 'apps' }, ...kApps.map((app) => h('li', {}, text(app)))),
-    role === 'helper' ? h('p', {}, h('a', { href: '/#walks' }, text('apps.hand_in'))) : h('p', {}, text('apps.ask_helper')),
+    role === 'helper' ? h('p', {}, h('a', { href: at('/#walks') }, text('apps.hand_in'))) : h('p', {}, text('apps.ask_helper')),
   ]);
 }

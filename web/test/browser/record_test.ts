@@ -252,6 +252,14 @@ test('without augmented reality the page says which app records, and where its e
     await visit.sees(app, 'dialog li');
   }
   await visit.assertAccessible('which app records');
+  await visit.page.keyboard.press('Escape');
+  await visit.page.evaluate(() => history.replaceState(null, '', '/homes/flat-7/device'));
+  await visit.press('Record the home');
+  await visit.sees('Record with an app', 'dialog h2');
+  assert.equal(await visit.page.$eval('dialog a', (link) => link.getAttribute('href')), '/homes/flat-7/#walks');
+  await visit.page.keyboard.press('Escape');
+  await visit.page.evaluate(() => history.replaceState(null, '', '/device'));
+  await visit.press('Record the home');
   await visit.press('Hand in the export on the helper\'s page');
   await visit.page.waitForFunction(() => location.hash === '#walks', { ...kWaiting, timeout: kPatience });
   await visit.close();
