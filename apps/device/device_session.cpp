@@ -141,8 +141,7 @@ void DeviceSession::lose(const std::string& why, TimestampNs now_ns) {
   connection_.reset();
   sees_places_ = false;
   if (led_.by && asked_.contains(led_.by->id)) led_.is_unanswered = true;
-  asked_.clear();  // no answers will come
-  recording_.clear();
+  asked_.clear();        // no answers will come
   is_teaching_ = false;  // the computer forgets what was shown
   if (link_.failed(steady_s(now_ns)) != service::DeviceLink::News::kLost) return;
   if (!led_.by) {
@@ -269,10 +268,13 @@ void DeviceSession::lead_again(TimestampNs now_ns) {
 void DeviceSession::take_recording(const service::RecordingState& recording, TimestampNs now_ns) {
   if (role_ != "device") return;  // helpers are told of all devices
   // It comes again with every frame.
-  if (std::exchange(recording_, recording.state) == recording.state) return;
+  const std::string before = std::exchange(recording_, recording.state);
+  if (before == recording.state) return;
+  // It may have ended while the connection was lost.
+  const bool has_ended = before == "recording" && recording.state == "none";
   if (recording.state == "recording") {
     parts_.voice->notice("device.recording", guide::Sound::kAnswer, now_ns);
-  } else if (recording.state == "saved") {
+  } else if (recording.state == "saved" || has_ended) {
     parts_.voice->notice("device.recording_saved", guide::Sound::kAnswer, now_ns);
   } else if (recording.state == "failed") {
     std::cerr << "the recording failed: " << recording.text << '\n';

@@ -675,9 +675,14 @@ TEST_F(DeviceSessionTest, TellsThatItIsRecorded) {
   EXPECT_TRUE(hears_last("Recording."));
   send("failed");
   EXPECT_TRUE(hears_last("The recording failed."));
+  send("none");
+  send("recording");
+  EXPECT_TRUE(hears_last("Recording."));
+  send("none");
+  EXPECT_TRUE(hears_last("The recording is saved.")) << "it ended while nobody could say so";
   type("x");
   running.join();
-  EXPECT_EQ(speaker_->times("Recording."), 2);
+  EXPECT_EQ(speaker_->times("Recording."), 3);
 }
 
 TEST_F(DeviceSessionTest, TellsOnceThatItWasRemoved) {

@@ -68,6 +68,7 @@ LiveHome::~LiveHome() {
   write_own_sightings(std::numeric_limits<std::int64_t>::max());
   if (lenses_) (void)lenses_->save();  // what is lost is learned anew
   if (recorder_) (void)recorder_->close();
+  for (const auto& recorder : unclosed_) (void)recorder->close();
   if (photos_ && erases_when_closed_) {
     const std::scoped_lock lock(home_mutex_);
     (void)forget_removed();  // where it fails, the next one that opens does it

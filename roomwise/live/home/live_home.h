@@ -112,7 +112,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<rooms::RoomDecision> test_picture(const Bytes& picture) const;
 
   // What the walks have not shown yet. Looks at pictures that it has not looked at before, which
-  // takes a moment; fails where the map is not ready, or something is forgotten meanwhile.
+  // takes a moment; null while the map is not ready, or others wait for it: ask again soon. Fails
+  // where a picture is damaged, or something is forgotten meanwhile.
   [[nodiscard]] Expected<std::shared_ptr<const pipeline::RoomCoverage>> coverage();
 
   // ---- changing; each fails while a job writes the home, forgetting while any is at work, but
@@ -354,6 +355,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   mutable std::mutex devices_mutex_;
   std::set<std::shared_ptr<Device>> devices_;
   std::shared_ptr<WalkRecorder> recorder_;
+  std::vector<std::shared_ptr<WalkRecorder>> unclosed_;  // closing failed: tried again at the end
   std::int64_t recording_device_ = 0;
   std::mutex telling_mutex_;  // what is told of the recording, its end last
 

@@ -22,13 +22,11 @@ class StopsWhenTold final : public Progress {
 Expected<std::shared_ptr<const pipeline::RoomCoverage>> LiveHome::coverage() {
   // Who waited here would take the place of a request that needs none of this.
   const std::unique_lock lock(coverage_mutex_, std::try_to_lock);
-  if (!lock) return fail("what is missing is being worked out; it is told in a moment");
+  if (!lock) return nullptr;
   const auto now = view();
   if (covered_ == now && coverage_) return coverage_;
   const bool is_mapping = jobs_->running() && jobs_->state()->kind == "map";
-  if (is_mapping || (!now->map && !now->walks.empty())) {
-    return fail("the map is being made; what is missing is told when it is ready");
-  }
+  if (is_mapping || (!now->map && !now->walks.empty())) return nullptr;
   StopsWhenTold progress(coverage_stops_);
   pipeline::OwnRunContext run(options_.threads, progress);
   // By a reader of its own, so that pictures can be looked at meanwhile.

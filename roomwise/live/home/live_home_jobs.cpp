@@ -252,6 +252,10 @@ Expected<void> LiveHome::end_recording() {
     if (device->who().device == recorded) device->record_to(nullptr);
   }
   const Expected<void> closed = recorder->close();
+  if (!closed) {
+    const std::scoped_lock lock(devices_mutex_);
+    unclosed_.push_back(recorder);
+  }
   {
     const std::scoped_lock one_by_one(telling_mutex_);
     tell_of_recording(recorded, service::RecordingState{recorded, closed ? "saved" : "failed",

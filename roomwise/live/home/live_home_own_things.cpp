@@ -174,7 +174,7 @@ Expected<void> LiveHome::teach(const std::shared_ptr<Device>& device, const std:
     }
     return taught.map([&](bool is_looked_for) {
       return is_looked_for ? JobEnd{"a thing is known now", "taught"}
-                           : JobEnd{"a thing is known, and looked for once there is a walk",
+                           : JobEnd{"a thing is known, and looked for with the next walk",
                                     "taught_for_later"};
     });
   };

@@ -150,9 +150,13 @@ Expected<void> LiveHome::go_on_with_uploads() {
     const fs::path path = walks_folder() / upload.walk;
     ROOMWISE_TRY(const bool is_in_home, has_recording_of(path));
     const bool is_moved = !fs::exists(uploads_->file_of(upload.id), error);
-    if (is_in_home || (is_moved && fs::exists(path, error))) {
+    const bool is_there = fs::exists(path, error);
+    // An archive of which most cannot be read stays, as it does where nothing was killed.
+    const bool is_done =
+        is_moved || (is_in_home && is_mostly_whole(path, fail("nobody counted what is damaged")));
+    if (is_there && is_done) {
       ROOMWISE_RETURN_IF_ERROR(uploads_->remove(upload.id));
-    } else if (!fs::exists(path, error)) {
+    } else if (!is_there || is_in_home) {
       ROOMWISE_RETURN_IF_ERROR(uploads_->note_walk(upload.id, ""));
     }
   }

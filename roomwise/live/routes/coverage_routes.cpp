@@ -64,7 +64,11 @@ std::vector<HomeRoute> coverage_routes() {
   return {{"GET", "/api/coverage", service::Role::kHelper,
            [](LiveHome& home, const auto&, const auto&) {
              const auto coverage = home.coverage();
-             if (!coverage) return service::error_answer(503, coverage.error().message);
+             if (!coverage) return service::error_answer(500, coverage.error().message);
+             if (*coverage == nullptr) {
+               return service::error_answer(
+                   503, "what is missing is being worked out, or the map is; ask again soon");
+             }
              return service::json_answer(coverage_json(**coverage));
            }}};
 }

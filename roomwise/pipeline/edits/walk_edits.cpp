@@ -13,14 +13,36 @@ namespace {
 
 constexpr std::string_view kWalks = ".walks";
 
+fs::path stored_folder(const home::StoredRecording& walk) {
+  return fs::path(walk.recording.folder).lexically_normal();
+}
+
+bool lies_in(const fs::path& folder, const fs::path& parent) {
+  std::error_code ignored;
+  return folder.has_filename() && fs::weakly_canonical(folder.parent_path(), ignored) ==
+                                      fs::weakly_canonical(parent, ignored);
+}
+
 // Its folder in the home's own; absent where it was recorded elsewhere. The folder is stored by the
-// path that the home had then: it may have been moved, copied or restored since, or be called by
-// another spelling.
+// path that the home had then: it may have been moved, copied or restored since. Then it is the one
+// of its name, unless that is another walk's.
 std::optional<fs::path> own_folder_of(const home::Home& home, const home::StoredRecording& walk) {
-  const fs::path folder = fs::path(walk.recording.folder).lexically_normal();
-  if (!folder.has_filename()) return std::nullopt;
-  if (!folder.parent_path().filename().string().ends_with(kWalks)) return std::nullopt;
-  return own_walks_folder(home.file()) / folder.filename();
+  const fs::path folder = stored_folder(walk);
+  const fs::path own = own_walks_folder(home.file());
+  const fs::path there = own / folder.filename();
+  if (lies_in(folder, own)) return there;
+  if (!folder.has_filename() || !folder.parent_path().filename().string().ends_with(kWalks)) {
+    return std::nullopt;
+  }
+  std::error_code ignored;
+  const auto recordings = home.recordings();
+  if (!recordings || !fs::exists(there, ignored)) return std::nullopt;
+  const bool is_of_another =
+      std::ranges::any_of(*recordings, [&](const home::StoredRecording& other) {
+        const fs::path its = stored_folder(other);
+        return its.filename() == folder.filename() && lies_in(its, own);
+      });
+  return is_of_another ? std::nullopt : std::optional(there);
 }
 
 }  // namespace

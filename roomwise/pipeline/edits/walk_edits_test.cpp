@@ -126,6 +126,22 @@ TEST_F(WalkEdits, OnlyTheFolderInTheHomesOwnIsRemovedWithAWalk) {
   ASSERT_OK(remove((own / "nothing").string()));
 }
 
+TEST_F(WalkEdits, AWalkOfAnotherHomeIsNotTheHomesOwnOfThatName) {
+  namespace fs = std::filesystem;
+  const fs::path own = folder_ / "a.home.walks", others = folder_ / "b.home.walks";
+  fs::create_directories(others / "walk");
+  home::StoredRecording other;
+  other.recording.folder = (others / "walk").string();
+  EXPECT_EQ(folder_of_walk(*home_, other), others / "walk") << "there is none of that name";
+  fs::create_directories(own / "walk");
+  const geometry::PinholeCamera camera = home_->recordings()->front().recording.camera;
+  ASSERT_OK(home_->add_recording({"walk", (own / "walk").string(), camera, 10}));
+  EXPECT_EQ(folder_of_walk(*home_, other), others / "walk");
+  ASSERT_OK(remove_walk_folder(*home_, other));
+  EXPECT_TRUE(fs::exists(own / "walk"));
+  EXPECT_TRUE(fs::exists(others / "walk"));
+}
+
 TEST_F(WalkEdits, ChangesOfRoomsAndWalksAreUndoneInAnyOrder) {
   const auto labels = recording::RoomLabels::from_ranges({{0, 9, "kitchen", 1}}).value();
   ASSERT_OK(name_frames(*home_, kBen, 1, labels));

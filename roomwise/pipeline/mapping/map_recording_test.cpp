@@ -712,7 +712,8 @@ TEST_F(MapFurtherWalks, OfAnotherHomeIsNotTheMapThoughItIsLonger) {
   EXPECT_EQ(summary->placed, 0U) << "on the map that is there";
   home::Home home = *home::Home::open(home_);
   std::map<home::RecordingId, std::size_t> keyframes, of_map;
-  for (const home::Keyframe& one : *home.keyframes()) {
+  const auto all = home.keyframes().value();
+  for (const home::Keyframe& one : all) {
     ++keyframes[one.recording];
     if (one.pose.component == 0) ++of_map[one.recording];
   }
@@ -720,7 +721,8 @@ TEST_F(MapFurtherWalks, OfAnotherHomeIsNotTheMapThoughItIsLonger) {
   EXPECT_EQ(of_map[1], keyframes[1]);
   EXPECT_EQ(of_map[2], 0U);
   ASSERT_OK(forget_walk(home, 1));
-  for (const home::Keyframe& one : *home.keyframes()) {
+  const auto left = home.keyframes().value();
+  for (const home::Keyframe& one : left) {
     EXPECT_EQ(one.pose.component, 0U) << "once the other is gone";
   }
 }

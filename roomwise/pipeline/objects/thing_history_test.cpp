@@ -146,7 +146,8 @@ TEST_F(ThingHistories, WhatAVisitFoundGoneIsThereOnceAWalkAfterItSawIt) {
   for (const int day : {1, 3}) {
     home_.emplace(create_home(folder_ / fmt::format("{}.home", day)).value());
     walk(kBox, kMonday_ns);
-    home::HomeChanges gone{.visit = {"visit", "", kVisit_ns, kVisit_ns, 1, 1}};
+    home::HomeChanges gone;
+    gone.visit = {"visit", "", kVisit_ns, kVisit_ns, 1, 1};
     gone.past.push_back({.instance = home_->instances()->front()});
     ASSERT_OK(home_->apply_changes(gone));
     EXPECT_TRUE(home_->instances()->empty());

@@ -102,6 +102,7 @@ export class LedAgain {
     const isWords = question.question === 'in_words';
     if (key === 'guide' && (!isWords || startsWithAny(message, kBegins))) {
       this.led = { ...kNotLed, by: question };
+      this.isUnanswered = false;
     } else if (!isWords && this.led.by === question) {
       this.led = this.before;
     }
@@ -109,6 +110,8 @@ export class LedAgain {
 
   private end(): void {
     this.led = { ...kNotLed, isLost: this.led.isLost };
+    this.before = kNotLed;
+    this.isUnanswered = false;
   }
 
   // Not while words wait for their answer: they may ask for something else.

@@ -148,6 +148,17 @@ test('who waits to hear whether a goal is known is led on as before where it is 
   assert.deepEqual(led.seen(true, 20), kBed);
 });
 
+test('who ended it while the connection was lost is led to nothing of before', () => {
+  const led = ledToTheBed();
+  led.ask(2, { question: 'take_me_to', thing: 'piano' });
+  led.lost();
+  led.wish(kEnd);
+  led.sees(true, 0);
+  led.ask(3, { question: 'take_me_to', thing: 'sofa' });
+  led.heard({ key: 'where', message: 'where.unknown', answer_to: 3 });
+  assert.equal(led.seen(true, 10), null);
+});
+
 test('a pause ends with the way', () => {
   const led = ledToTheBed();
   led.wish(kPause);

@@ -48,6 +48,7 @@ export function recordCard(helper: Helper, me: Me): HTMLElement {
     const online = store.state.devices.filter((one) => one.online && one.device !== me.device);
     fill(device.input as HTMLSelectElement, online.map((one) => ({ value: String(one.device), label: one.name })));
   });
+  let isForgotten = false; // while the connection is lost: what is recorded is told anew
   store.watch(['recording'], () => {
     const { recording } = store.state;
     progress.textContent = recording ? wordsOf(recording) : '';
@@ -55,6 +56,9 @@ export function recordCard(helper: Helper, me: Me): HTMLElement {
     stop.hidden = recording?.state !== 'recording';
     if (wasFocused && stop.hidden) {
       start.focus(); // not lost with the button
+      isForgotten = recording === null;
+    } else if (isForgotten && !stop.hidden && document.activeElement === start) {
+      stop.focus();
     }
   });
   return card(text('record.heading'), h('p', { class: 'hint' }, text('record.explain')), form,
