@@ -30,7 +30,7 @@ test('while the map is made it is told when; then it comes by itself', options, 
   server.state.coverage = null;
   const visit = await openVisit(server, { role: 'helper' });
   await visit.go('/#walks');
-  await visit.sees('It is told when the map is ready.');
+  await visit.sees('It is told in a moment, or when the map is ready.');
   server.state.coverage = ready;
   tellJob(server, 'done', 1, '', 'prepare');
   await visit.sees('It was seen by day only', '.coverage');
@@ -42,7 +42,7 @@ test('while it is worked out for another page it is asked for again', options, (
   server.state.coverage = null;
   const visit = await openVisit(server, { role: 'helper' });
   await visit.go('/#walks');
-  await visit.sees('It is told when the map is ready.');
+  await visit.sees('It is told in a moment, or when the map is ready.');
   server.state.coverage = ready;
   await visit.sees('It was seen by day only', '.coverage');
   await visit.close();
