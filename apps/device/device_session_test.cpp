@@ -507,6 +507,7 @@ TEST_F(LedSessionTest, WhoWaitsToHearWhetherAGoalIsKnownIsLedOnAsBeforeWhereItIs
   EXPECT_TRUE(speaker_->hears("Connected again."));
   see_a_place();
   EXPECT_TRUE(speaker_->hears("I know no piano."));
+  see_a_place();
   EXPECT_TRUE(home_.signal.wait([&] { return home_.asks.size() == 4; }));
   type("x");
   running.join();
