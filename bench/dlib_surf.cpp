@@ -14,7 +14,7 @@ features::Features DlibSurfExtractor::extract(const image::GrayImage& image) con
   }
   const auto points = dlib::get_surf_points(pixels, max_keypoints_, kMinResponse);
   features::Features found;
-  features::RealDescriptors descriptors(points.size(), kValues);
+  features::FloatDescriptors descriptors(points.size(), kValues);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const dlib::surf_point& point = points[i];
     features::Keypoint& keypoint = found.keypoints.emplace_back();

@@ -64,8 +64,8 @@ cv::Mat as_rows(const Features& features, int type) {
 }
 
 cv::Mat as_rows(const Features& features) {
-  return std::holds_alternative<RealDescriptors>(features.descriptors)
-             ? as_rows<RealDescriptors>(features, CV_32F)
+  return std::holds_alternative<FloatDescriptors>(features.descriptors)
+             ? as_rows<FloatDescriptors>(features, CV_32F)
              : as_rows<BinaryDescriptors>(features, CV_8U);
 }
 

@@ -52,7 +52,7 @@ void add_measurements(const motion::MeasuredFeatures& found, const motion::RgbdP
     digests.keypoints.add(&keypoint.response, 1);
     digests.angles.add(&keypoint.angle_rad, 1);
   }
-  const auto& rows = std::get<features::RealDescriptors>(found.features.descriptors);
+  const auto& rows = std::get<features::FloatDescriptors>(found.features.descriptors);
   digests.descriptors.add(rows.data(), static_cast<std::size_t>(rows.size()));
   for (std::size_t i = 0; i < found.size(); ++i) {
     digests.points.add(found.pixels[i].data(), 2);

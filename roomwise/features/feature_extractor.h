@@ -23,16 +23,16 @@ struct Keypoint {
   bool bright = false;
 };
 
-// A row a key-point. Real descriptors (SURF, SIFT) have unit length and are compared by Euclidean
+// A row a key-point. Float descriptors (SURF, SIFT) have unit length and are compared by Euclidean
 // distance, binary ones (ORB) by Hamming distance.
-using RealDescriptors = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using FloatDescriptors = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using BinaryDescriptors =
     Eigen::Matrix<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // keypoints[i] is described by row i of the descriptors; strongest response first.
 struct Features {
   std::vector<Keypoint> keypoints;
-  std::variant<RealDescriptors, BinaryDescriptors> descriptors;
+  std::variant<FloatDescriptors, BinaryDescriptors> descriptors;
 
   [[nodiscard]] std::size_t size() const { return keypoints.size(); }
 };

@@ -259,8 +259,8 @@ std::vector<Match> match_real(const Features& query, const Features& train,
     const auto queries = of_polarity(query, bright), trains = of_polarity(train, bright);
     if (queries.empty() || trains.empty()) continue;
     const NeighbourTable table =
-        compare(QuantizedDescriptors(std::get<RealDescriptors>(query.descriptors), queries),
-                QuantizedDescriptors(std::get<RealDescriptors>(train.descriptors), trains), simd);
+        compare(QuantizedDescriptors(std::get<FloatDescriptors>(query.descriptors), queries),
+                QuantizedDescriptors(std::get<FloatDescriptors>(train.descriptors), trains), simd);
     for (const Match& match : take_matches(table, options, distance_of_real))
       matches.push_back({queries[match.query], trains[match.train], match.distance});
   }
@@ -294,7 +294,7 @@ std::vector<Match> match_features(const Features& query, const Features& train,
   if (descriptor_length(query) != descriptor_length(train)) {
     throw std::invalid_argument("match_features: descriptors of different length");
   }
-  if (std::holds_alternative<RealDescriptors>(query.descriptors)) {
+  if (std::holds_alternative<FloatDescriptors>(query.descriptors)) {
     return match_real(query, train, options, simd);
   }
   return take_matches(compare(to_words(std::get<BinaryDescriptors>(query.descriptors)),

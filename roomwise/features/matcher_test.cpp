@@ -19,7 +19,7 @@ using ::testing::IsEmpty;
 Features random_real(std::size_t count, Eigen::Index values, std::uint64_t seed,
                      bool both_polarities) {
   RandomStream random(seed);
-  RealDescriptors rows(count, values);
+  FloatDescriptors rows(count, values);
   for (Eigen::Index i = 0; i < rows.size(); ++i) {
     rows.data()[i] = static_cast<float>(random.normal());
   }
@@ -33,9 +33,9 @@ Features random_real(std::size_t count, Eigen::Index values, std::uint64_t seed,
 
 // Each of the first rows is near one of base's, in turned order; further ones are at random.
 Features disturbed(const Features& base, std::size_t count, float noise, std::uint64_t seed) {
-  const auto& from = std::get<RealDescriptors>(base.descriptors);
+  const auto& from = std::get<FloatDescriptors>(base.descriptors);
   Features features = random_real(count, from.cols(), seed, true);
-  auto& rows = std::get<RealDescriptors>(features.descriptors);
+  auto& rows = std::get<FloatDescriptors>(features.descriptors);
   const std::size_t shared = std::min(count, base.size()) / 2;
   for (std::size_t i = 0; i < shared; ++i) {
     const auto row = static_cast<Eigen::Index>(i);
@@ -57,8 +57,8 @@ Features random_binary(std::size_t count, Eigen::Index bytes, std::uint64_t seed
 double distance(const Features& a, std::size_t i, const Features& b, std::size_t j) {
   const auto p = static_cast<Eigen::Index>(i);
   const auto q = static_cast<Eigen::Index>(j);
-  if (const auto* rows = std::get_if<RealDescriptors>(&a.descriptors)) {
-    const auto& others = std::get<RealDescriptors>(b.descriptors);
+  if (const auto* rows = std::get_if<FloatDescriptors>(&a.descriptors)) {
+    const auto& others = std::get<FloatDescriptors>(b.descriptors);
     return (rows->row(p).cast<double>() - others.row(q).cast<double>()).norm();
   }
   const auto& rows = std::get<BinaryDescriptors>(a.descriptors);
@@ -121,7 +121,7 @@ void expect_same(const std::vector<Match>& found, const std::vector<Match>& expe
   }
 }
 
-TEST(MatchFeatures, EqualsPlainLoopsOnRealDescriptors) {
+TEST(MatchFeatures, EqualsPlainLoopsOnFloatDescriptors) {
   // Sizes that fill no block, one block and more.
   for (const std::size_t count : {2U, 7U, 64U, 65U, 200U}) {
     const Features query = random_real(count, 64, count, true);
@@ -140,9 +140,9 @@ TEST(MatchFeatures, EqualsPlainLoopsOnRealDescriptors) {
 
 TEST(MatchFeatures, AnOddNumberOfValuesIsComparedToTheLast) {
   Features query = random_real(2, 3, 1, false);
-  std::get<RealDescriptors>(query.descriptors) << 0.6F, 0, 0.8F, 0.6F, 0, -0.8F;
+  std::get<FloatDescriptors>(query.descriptors) << 0.6F, 0, 0.8F, 0.6F, 0, -0.8F;
   Features train = query;
-  std::get<RealDescriptors>(train.descriptors).colwise().reverseInPlace();
+  std::get<FloatDescriptors>(train.descriptors).colwise().reverseInPlace();
   expect_same(match_features(query, train), {{0, 1, 0}, {1, 0, 0}});
 }
 
@@ -198,7 +198,7 @@ TEST(MatchFeatures, MutualMatchesAreSymmetric) {
 
 TEST(MatchFeatures, NothingMatchesNothing) {
   const Features some = random_real(10, 64, 5, false);
-  const Features none{{}, RealDescriptors(0, 64)};
+  const Features none{{}, FloatDescriptors(0, 64)};
   EXPECT_THAT(match_features(none, some), IsEmpty());
   EXPECT_THAT(match_features(some, none), IsEmpty());
   EXPECT_THAT(match_features(none, none), IsEmpty());
@@ -216,7 +216,7 @@ TEST(MatchFeatures, ASingleCandidateCannotPassTheRatioTest) {
 
 TEST(MatchFeatures, TwoEquallyNearCandidatesAreNoMatch) {
   Features twins = random_real(2, 64, 7, false);
-  auto& rows = std::get<RealDescriptors>(twins.descriptors);
+  auto& rows = std::get<FloatDescriptors>(twins.descriptors);
   rows.row(1) = rows.row(0);
   EXPECT_THAT(match_features(twins, twins, {.max_distance_ratio = 0.99, .mutual = false}),
               IsEmpty());

@@ -69,7 +69,7 @@ float place_in_picture(float opencv_px, int level, int extent_px) {
 }
 
 // RootSIFT: the Hellinger kernel of two histograms is the dot product of their square roots.
-void root_of_histogram(const float* histogram, float* values, int count) {
+void root_sift(const float* histogram, float* values, int count) {
   float sum = 0;
   for (int i = 0; i < count; ++i) sum += histogram[i];
   for (int i = 0; i < count; ++i) values[i] = sum > 0 ? std::sqrt(histogram[i] / sum) : 0;
@@ -83,12 +83,12 @@ SiftExtractor::SiftExtractor(int max_keypoints, double contrast_threshold)
 }
 
 Features SiftExtractor::extract(const image::GrayImage& image) const {
-  constexpr int kValues = 128;
-  Features features{{}, RealDescriptors(0, kValues)};
+  constexpr int kDescriptorSize = 128;
+  Features features{{}, FloatDescriptors(0, kDescriptorSize)};
   if (image.empty()) return features;
   const Detections found = detect(*cv::SIFT::create(max_keypoints_, 3, contrast_threshold_), image);
   const auto order = strongest_first(found.keypoints, static_cast<std::size_t>(max_keypoints_));
-  RealDescriptors descriptors(order.size(), kValues);
+  FloatDescriptors descriptors(order.size(), kDescriptorSize);
   for (std::size_t i = 0; i < order.size(); ++i) {
     const cv::KeyPoint& keypoint = found.keypoints[static_cast<std::size_t>(order[i])];
     // OpenCV's size is two sigma; the window is 4 squares of 3 sigma each.
@@ -96,8 +96,8 @@ Features SiftExtractor::extract(const image::GrayImage& image) const {
     // OpenCV doubles the picture about its corners and halves the found places about the centre of
     // the first pixel, which shifts all of them by a quarter of a pixel.
     features.keypoints.back().position_px.array() -= 0.25F;
-    root_of_histogram(found.descriptors.ptr<float>(order[i]),
-                      descriptors.row(static_cast<Eigen::Index>(i)).data(), kValues);
+    root_sift(found.descriptors.ptr<float>(order[i]),
+              descriptors.row(static_cast<Eigen::Index>(i)).data(), kDescriptorSize);
   }
   features.descriptors = std::move(descriptors);
   return features;

@@ -59,7 +59,7 @@ TEST_P(EveryExtractor, GivesAtMostSoManyStrongestFirstWithARowEach) {
     EXPECT_TRUE(keypoint.position_px.x() >= -0.5F && keypoint.position_px.x() <= 319.5F);
     EXPECT_TRUE(keypoint.position_px.y() >= -0.5F && keypoint.position_px.y() <= 239.5F);
   }
-  if (const auto* real = std::get_if<RealDescriptors>(&features.descriptors)) {
+  if (const auto* real = std::get_if<FloatDescriptors>(&features.descriptors)) {
     ASSERT_EQ(real->rows(), static_cast<Eigen::Index>(features.size()));
     EXPECT_NEAR(real->rowwise().norm().minCoeff(), 1, 1e-4);
     EXPECT_NEAR(real->rowwise().norm().maxCoeff(), 1, 1e-4);

@@ -87,7 +87,7 @@ void multiply_blocks_neon(const std::int16_t* a, const std::int16_t* b, std::siz
 
 }  // namespace
 
-QuantizedDescriptors::QuantizedDescriptors(const RealDescriptors& descriptors,
+QuantizedDescriptors::QuantizedDescriptors(const FloatDescriptors& descriptors,
                                            std::span<const std::uint32_t> rows)
     : size_(rows.size()),
       pairs_((static_cast<std::size_t>(descriptors.cols()) + 1) / 2),

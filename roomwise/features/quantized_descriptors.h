@@ -20,7 +20,7 @@ class QuantizedDescriptors {
 
   // The descriptors of these rows. Values outside [-1, 1], which a descriptor of unit length has
   // not, become the nearest inside.
-  QuantizedDescriptors(const RealDescriptors& descriptors, std::span<const std::uint32_t> rows);
+  QuantizedDescriptors(const FloatDescriptors& descriptors, std::span<const std::uint32_t> rows);
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] std::size_t blocks() const { return (size_ + kBlock - 1) / kBlock; }

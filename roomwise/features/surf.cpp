@@ -36,7 +36,7 @@ void sort_by_place(const std::vector<Keypoint>& keypoints, std::vector<std::size
   order.resize(keypoints.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto key = [&](std::size_t i) {
-    constexpr float kOctave = 64;  // px: about where the pyramid's second level takes over
+    constexpr float kOctave = 64;  // px: about where the pyramid's second octave takes over
     return std::tuple(keypoints[i].size_px > kOctave, keypoints[i].position_px.y(), i);
   };
   std::ranges::sort(order, {}, key);
@@ -96,8 +96,8 @@ Features SurfExtractor::extract(const image::GrayImage& image) const {
   auto& [pyramid, detector, blobs, keypoints, selection, order] = *lease;
   pyramid.build(image, options_.octaves, options_.doubled, simd_);
   blobs.clear();
-  for (const SurfLevel& level : pyramid.levels()) {
-    detector.find_blobs(level, options_, simd_, blobs);
+  for (const SurfOctave& octave : pyramid.octaves()) {
+    detector.find_blobs(octave, options_, simd_, blobs);
   }
   keypoints.clear();
   for (const Blob& blob : blobs) {
@@ -110,19 +110,19 @@ Features SurfExtractor::extract(const image::GrayImage& image) const {
   selection.select(keypoints, static_cast<std::size_t>(options_.max_keypoints), image.width(),
                    image.height(), options_.spread_cells);
 
-  RealDescriptors descriptors(keypoints.size(), SurfDescriptor::kValues);
+  FloatDescriptors descriptors(keypoints.size(), SurfDescriptor::kValues);
   sort_by_place(keypoints, order);
   for (const std::size_t i : order) {
     Keypoint& keypoint = keypoints[i];
-    const SurfLevel& level = pyramid.level_of_scale(keypoint.size_px / kWindow);
-    const float x = level.from_picture(keypoint.position_px.x());
-    const float y = level.from_picture(keypoint.position_px.y());
-    const float scale = keypoint.size_px / kWindow / level.pixel_size_px;
+    const SurfOctave& octave = pyramid.octave_of_scale(keypoint.size_px / kWindow);
+    const float x = octave.from_picture(keypoint.position_px.x());
+    const float y = octave.from_picture(keypoint.position_px.y());
+    const float scale = keypoint.size_px / kWindow / octave.pixel_size_px;
     if (!options_.upright) {
-      keypoint.angle_rad = descriptor_.orientation_rad(level.integral, x, y, scale);
+      keypoint.angle_rad = descriptor_.orientation_rad(octave.integral, x, y, scale);
     }
     descriptor_.describe(
-        level.integral, x, y, scale, keypoint.angle_rad,
+        octave.integral, x, y, scale, keypoint.angle_rad,
         std::span<float, SurfDescriptor::kValues>(
             descriptors.row(static_cast<Eigen::Index>(i)).data(), SurfDescriptor::kValues));
   }

@@ -31,6 +31,9 @@ constexpr int kStripSamples = 160;
 
 static_assert(IntegralImage::kTailPadding >= 2 * kSurfRowSlack);
 
+// The box-filtered second derivatives, in the order in which their differences lie.
+enum Derivative { kDxx, kDyy, kDxy };
+
 // Three layers that follow each other in scale.
 struct Neighbourhood {
   const ThreeRows& finer;
@@ -95,7 +98,7 @@ float laplacian(const IntegralImage& integral, const BoxFilter& filter, int x, i
   const std::int64_t dxx = box(filter.margin, across) - 3 * box(filter.half_lobe, across);
   const std::int64_t dyy = box(across, filter.margin) - 3 * box(across, filter.half_lobe);
   return static_cast<float>(dxx + dyy) /
-         (SurfLevel::kIntensityScale * static_cast<float>(filter.size * filter.size));
+         (SurfOctave::kIntensityScale * static_cast<float>(filter.size * filter.size));
 }
 
 // For principal curvatures of ratio r, trace^2 / determinant is (r + 1)^2 / r (Lowe 2004, 4.1).
@@ -105,29 +108,29 @@ float max_squared_trace_over_determinant(const SurfOptions& options) {
   return (ratio + 1) * (ratio + 1) / ratio;
 }
 
-// The first marked column from x on, or `end`.
-int next_mark(const std::int32_t* marks, int x, int end) {
-  const auto bytes = static_cast<std::size_t>(end - x) * sizeof *marks;
-  const void* found = std::memchr(marks + x, 0xff, bytes);
+// The first column of a candidate from x on, or `end`.
+int next_candidate(const std::int32_t* candidates, int x, int end) {
+  const auto bytes = static_cast<std::size_t>(end - x) * sizeof *candidates;
+  const void* found = std::memchr(candidates + x, 0xff, bytes);
   if (found == nullptr) return end;
-  const auto before = static_cast<const char*>(found) - reinterpret_cast<const char*>(marks);
-  return static_cast<int>(before / static_cast<std::ptrdiff_t>(sizeof *marks));
+  const auto before = static_cast<const char*>(found) - reinterpret_cast<const char*>(candidates);
+  return static_cast<int>(before / static_cast<std::ptrdiff_t>(sizeof *candidates));
 }
 
 }  // namespace
 
-// One search of a level. SampleRange are `step` pixels apart in both directions: 1 or 2. Every
+// One search of an octave. Samples are `step` pixels apart in both directions: 1 or 2. Every
 // second column is read by eights from rows that were split into even and odd ones.
 class SurfDetector::Search {
  public:
-  Search(SurfDetector& memory, const SurfLevel& level, const SurfOptions& options, Simd simd,
+  Search(SurfDetector& memory, const SurfOctave& octave, const SurfOptions& options, Simd simd,
          std::vector<Blob>& blobs)
       : kernels_(surf_row_kernels(simd)),
-        level_(level),
+        octave_(octave),
         threshold_(static_cast<float>(options.hessian_threshold)),
         max_trace_ratio_(max_squared_trace_over_determinant(options)),
-        shift_(level.pixel_size_px < 1 ? 1 : 0),
-        stride_(static_cast<std::size_t>(level.integral.width() >> shift_) + 1 + kSurfRowSlack),
+        shift_(octave.pixel_size_px < 1 ? 1 : 0),
+        stride_(static_cast<std::size_t>(octave.integral.width() >> shift_) + 1 + kSurfRowSlack),
         blobs_(blobs) {
     const auto take = [&](auto& values, std::size_t rows) {
       values.resize(rows * stride_);
@@ -136,14 +139,14 @@ class SurfDetector::Search {
     split_ = take(memory.split_, 2 * kSplitRows);
     differences_ = take(memory.differences_, 6);
     responses_ = take(memory.responses_, 3 * kSurfLayers);
-    column_maxima_ = take(memory.column_maxima_, 2);
-    marks_ = take(memory.marks_, 2);
+    highest_in_column_ = take(memory.highest_in_column_, 2);
+    candidates_ = take(memory.candidates_, 2);
   }
 
   void run() {
     const auto samples = [&](int extent) { return ((extent - kLargestMargin - 1) >> shift_) + 1; };
-    const int columns = samples(level_.integral.width());
-    const int rows = samples(level_.integral.height());
+    const int columns = samples(octave_.integral.width());
+    const int rows = samples(octave_.integral.height());
     const int first = (kLargestMargin + shift_) >> shift_;
     // A maximum has neighbours on both sides, by which strips overlap.
     for (int left = first; left + 2 < columns; left += kStripSamples) {
@@ -158,14 +161,15 @@ class SurfDetector::Search {
 
   void search_strip(const SampleRange& columns, const SampleRange& rows) {
     int split_end = (rows.first << shift_) - kLargestMargin;
-    const MarkRows marks{{column_maxima_, column_maxima_ + stride_}, {marks_, marks_ + stride_}};
+    const CandidateRows candidates{{highest_in_column_, highest_in_column_ + stride_},
+                                   {candidates_, candidates_ + stride_}};
     const auto responses = [&](std::size_t layer, int row) {
       return responses_ + (3 * layer + static_cast<std::size_t>(row % 3)) * stride_;
     };
     for (int row = rows.first; row < rows.end; ++row) {
       const int y = row << shift_;
       for (; shift_ > 0 && split_end <= y + kLargestMargin + 1; ++split_end) {
-        kernels_.split(level_.integral.row(split_end), reach(columns, kLargestMargin),
+        kernels_.split(octave_.integral.row(split_end), reach(columns, kLargestMargin),
                        split_row(split_end, 0), split_row(split_end, 1));
       }
       LayerRows layers;
@@ -175,9 +179,9 @@ class SurfDetector::Search {
                          responses(layer, row)};
       }
       if (row < rows.first + 2) continue;
-      kernels_.mark(layers, columns, threshold_, marks);
-      find_maxima(layers, 1, row - 1, columns, marks.marks[0]);
-      find_maxima(layers, 2, row - 1, columns, marks.marks[1]);
+      kernels_.mark_candidates(layers, columns, threshold_, candidates);
+      find_maxima(layers, 1, row - 1, columns, candidates.candidates[0]);
+      find_maxima(layers, 2, row - 1, columns, candidates.candidates[1]);
     }
   }
 
@@ -192,70 +196,72 @@ class SurfDetector::Search {
   void respond(const BoxFilter& filter, int y, const SampleRange& columns, float* responses) const {
     for (int odd = 0; odd <= shift_; ++odd) {
       const auto row = [&](int by) -> const std::uint32_t* {
-        return shift_ > 0 ? split_row(y + by, odd) : level_.integral.row(y + by);
+        return shift_ > 0 ? split_row(y + by, odd) : octave_.integral.row(y + by);
       };
       const FilterRows rows{{row(1 - filter.lobe), row(filter.lobe)},
                             {row(-filter.margin), row(-filter.half_lobe), row(filter.half_lobe + 1),
                              row(filter.margin + 1)},
                             {row(-filter.lobe), row(0), row(1), row(filter.lobe + 1)}};
       kernels_.difference(rows, reach(columns, filter.margin),
-                          {difference(0, odd), difference(1, odd), difference(2, odd)});
+                          {difference(kDxx, odd), difference(kDyy, odd), difference(kDxy, odd)});
     }
-    const auto column = [&](std::size_t derivative, int by) -> const std::uint32_t* {
+    const auto column = [&](Derivative derivative, int by) -> const std::uint32_t* {
       return difference(derivative, by & shift_) + (by >> shift_);
     };
     const FilterColumns around{
-        {column(1, 1 - filter.lobe), column(1, filter.lobe)},
-        {column(0, -filter.margin), column(0, -filter.half_lobe), column(0, filter.half_lobe + 1),
-         column(0, filter.margin + 1)},
-        {column(2, -filter.lobe), column(2, 0), column(2, 1), column(2, filter.lobe + 1)}};
+        {column(kDyy, 1 - filter.lobe), column(kDyy, filter.lobe)},
+        {column(kDxx, -filter.margin), column(kDxx, -filter.half_lobe),
+         column(kDxx, filter.half_lobe + 1), column(kDxx, filter.margin + 1)},
+        {column(kDxy, -filter.lobe), column(kDxy, 0), column(kDxy, 1),
+         column(kDxy, filter.lobe + 1)}};
     const float per_area =
-        1 / (SurfLevel::kIntensityScale * static_cast<float>(filter.size * filter.size));
+        1 / (SurfOctave::kIntensityScale * static_cast<float>(filter.size * filter.size));
     kernels_.respond(around, per_area, columns, responses);
   }
 
-  [[nodiscard]] std::uint32_t* difference(std::size_t derivative, int odd) const {
-    return differences_ + (2 * derivative + static_cast<std::size_t>(odd)) * stride_;
+  [[nodiscard]] std::uint32_t* difference(Derivative derivative, int odd) const {
+    return differences_ + static_cast<std::size_t>(2 * derivative + odd) * stride_;
   }
 
-  // Keeps the maxima among the marked places of the middle row.
+  // Keeps the maxima among the candidates of the middle row.
   void find_maxima(const LayerRows& rows, std::size_t layer, int row, const SampleRange& columns,
-                   const std::int32_t* marks) {
+                   const std::int32_t* candidates) {
     const Neighbourhood layers{rows[layer - 1], rows[layer], rows[layer + 1]};
     const BoxFilter filter(static_cast<int>(layer));
     const int end = columns.end - 1;
-    for (int i = columns.first + 1; (i = next_mark(marks, i, end)) < end; ++i) {
+    for (int i = columns.first + 1; (i = next_candidate(candidates, i, end)) < end; ++i) {
       if (!is_maximum(layers, i)) continue;
-      const float trace = laplacian(level_.integral, filter, i << shift_, row << shift_);
+      const float trace = laplacian(octave_.integral, filter, i << shift_, row << shift_);
       if (trace * trace > max_trace_ratio_ * layers.middle[1][i]) continue;
       const auto refined = refine(layers, i);
       if (!refined) continue;
       const double step = 1 << shift_;
       const double size = filter.size + refined->offset.z() * BoxFilter::kStep;
-      blobs_.push_back({{level_.to_picture(static_cast<float>(step * (i + refined->offset.x()))),
-                         level_.to_picture(static_cast<float>(step * (row + refined->offset.y())))},
-                        static_cast<float>(size) * kScalePerFilterPx * level_.pixel_size_px,
-                        static_cast<float>(refined->value),
-                        trace < 0});
+      blobs_.push_back(
+          {{octave_.to_picture(static_cast<float>(step * (i + refined->offset.x()))),
+            octave_.to_picture(static_cast<float>(step * (row + refined->offset.y())))},
+           static_cast<float>(size) * kScalePerFilterPx * octave_.pixel_size_px,
+           static_cast<float>(refined->value),
+           trace < 0});
     }
   }
 
   const SurfRowKernels& kernels_;
-  const SurfLevel& level_;
+  const SurfOctave& octave_;
   float threshold_, max_trace_ratio_;
   int shift_;           // log2 of the step
   std::size_t stride_;  // from one row to the next, of all that follow
   std::uint32_t *split_, *differences_;
-  float *responses_, *column_maxima_;
-  std::int32_t* marks_;
+  float *responses_, *highest_in_column_;
+  std::int32_t* candidates_;
   std::vector<Blob>& blobs_;
 };
 
-void SurfDetector::find_blobs(const SurfLevel& level, const SurfOptions& options, Simd simd,
+void SurfDetector::find_blobs(const SurfOctave& octave, const SurfOptions& options, Simd simd,
                               std::vector<Blob>& blobs) {
   constexpr int kMinExtent = 2 * kLargestMargin + 3;
-  if (std::min(level.integral.width(), level.integral.height()) < kMinExtent) return;
-  Search(*this, level, options, simd, blobs).run();
+  if (std::min(octave.integral.width(), octave.integral.height()) < kMinExtent) return;
+  Search(*this, octave, options, simd, blobs).run();
 }
 
 }  // namespace roomwise::features

@@ -19,16 +19,16 @@ struct Blob {
 // The "Fast-Hessian" detector (Bay et al., section 3): box filters in place of Gaussian second
 // derivatives, maxima over 3x3x3 neighbours, refined by a quadratic (Brown and Lowe, "Invariant
 // Features from Interest Point Groups", 2002). Filters of 9, 15, 21 and 27 pixels run over each
-// level of the pyramid, so that the two in the middle give all sizes from 12 to 24 pixels of a
-// level and the next level goes on from there. The double size is sampled at every second pixel of
+// octave of the pyramid, so that the two in the middle give all sizes from 12 to 24 pixels of an
+// octave and the next one goes on from there. The double size is sampled at every second pixel of
 // every second row, which costs nearly nothing in what is found, the others at every pixel. Only
 // places where the filters lie wholly inside the picture are looked at.
 //
 // Keeps its memory from one call to the next: one for each thread.
 class SurfDetector {
  public:
-  // Appends the blobs of one level, in no useful order, but always the same one.
-  void find_blobs(const SurfLevel& level, const SurfOptions& options, Simd simd,
+  // Appends the blobs of one octave, in no useful order, but always the same one.
+  void find_blobs(const SurfOctave& octave, const SurfOptions& options, Simd simd,
                   std::vector<Blob>& blobs);
 
  private:
@@ -37,8 +37,8 @@ class SurfDetector {
   std::vector<std::uint32_t> split_;  // rows of the integral image, even and odd columns apart
   std::vector<std::uint32_t> differences_;  // along one row, of the three filters
   std::vector<float> responses_;            // of the last three rows, by layer
-  std::vector<float> column_maxima_;
-  std::vector<std::int32_t> marks_;
+  std::vector<float> highest_in_column_;    // of the last three rows and of three layers
+  std::vector<std::int32_t> candidates_;
 };
 
 }  // namespace roomwise::features

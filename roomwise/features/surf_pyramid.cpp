@@ -138,24 +138,24 @@ const PyramidKernels& pyramid_kernels([[maybe_unused]] Simd simd) {
 }  // namespace
 
 void SurfPyramid::build(const image::GrayImage& picture, int sizes, bool doubled, Simd simd) {
-  levels_.resize(static_cast<std::size_t>(sizes));
-  halved_.resize(levels_.size());
-  smoothed_.resize(levels_.size());
+  octaves_.resize(static_cast<std::size_t>(sizes));
+  halved_.resize(octaves_.size());
+  smoothed_.resize(octaves_.size());
   used_ = 0;
   if (picture.empty()) return;
   const PyramidKernels& kernels = pyramid_kernels(simd);
   kernels.smooth_picture(picture, row_, smooth_);
   const WideImage* last = &smooth_;
   float pixel_size_px = doubled ? 0.5F : 1;
-  for (std::size_t i = 0; i < levels_.size(); ++i, pixel_size_px *= 2) {
-    SurfLevel& level = levels_[i];
-    level.pixel_size_px = pixel_size_px;
+  for (std::size_t i = 0; i < octaves_.size(); ++i, pixel_size_px *= 2) {
+    SurfOctave& octave = octaves_[i];
+    octave.pixel_size_px = pixel_size_px;
     if (pixel_size_px < 1) {
-      level.integral.reset(2 * picture.width(), 2 * picture.height());
-      doubled_row_.resize(static_cast<std::size_t>(level.integral.width()));
-      for (int y = 0; y < level.integral.height(); ++y) {
+      octave.integral.reset(2 * picture.width(), 2 * picture.height());
+      doubled_row_.resize(static_cast<std::size_t>(octave.integral.width()));
+      for (int y = 0; y < octave.integral.height(); ++y) {
         kernels.double_row(smooth_, y, row_, doubled_row_);
-        level.integral.set_row(y, doubled_row_, simd);
+        octave.integral.set_row(y, doubled_row_, simd);
       }
     } else {
       if (pixel_size_px > 1) {
@@ -165,20 +165,20 @@ void SurfPyramid::build(const image::GrayImage& picture, int sizes, bool doubled
       }
       kernels.smooth(*last, row_, smoothed_[i]);
       last = &smoothed_[i];
-      level.integral.reset(last->width(), last->height());
+      octave.integral.reset(last->width(), last->height());
       for (int y = 0; y < last->height(); ++y) {
-        level.integral.set_row(y, last->row(y), simd);
+        octave.integral.set_row(y, last->row(y), simd);
       }
     }
     ++used_;
   }
 }
 
-const SurfLevel& SurfPyramid::level_of_scale(float scale) const {
+const SurfOctave& SurfPyramid::octave_of_scale(float scale) const {
   constexpr float kMax = 3.2F;
   const auto found = std::ranges::find_if(
-      levels(), [&](const SurfLevel& level) { return scale < kMax * level.pixel_size_px; });
-  return found == levels().end() ? levels().back() : *found;
+      octaves(), [&](const SurfOctave& octave) { return scale < kMax * octave.pixel_size_px; });
+  return found == octaves().end() ? octaves().back() : *found;
 }
 
 }  // namespace roomwise::features

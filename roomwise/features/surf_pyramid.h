@@ -8,12 +8,13 @@
 
 namespace roomwise::features {
 
-// A picture at one of the sizes at which SURF looks at it. Intensities are those of the picture
-// times kIntensityScale, so that smoothing keeps its fractions.
-struct SurfLevel {
+// A picture at one of the sizes at which SURF looks at it: an octave, for which four layers of
+// filters run over it. Intensities are those of
+// the picture times kIntensityScale, so that smoothing keeps its fractions.
+struct SurfOctave {
   static constexpr float kIntensityScale = 16;
   IntegralImage integral;
-  float pixel_size_px = 1;  // a pixel of the level, in those of the picture
+  float pixel_size_px = 1;  // a pixel of the octave, in those of the picture
 
   // Centres of pixels are whole numbers in both.
   [[nodiscard]] float to_picture(float place) const {
@@ -30,20 +31,20 @@ struct SurfLevel {
 // (docs/experiments/surf.md). Keeps its memory from one picture to the next.
 class SurfPyramid {
  public:
-  // `sizes` levels, the first of which has the double size if `doubled`, otherwise the single one;
+  // `sizes` octaves, the first of which has the double size if `doubled`, otherwise the single one;
   // fewer where nothing is left of the picture.
   void build(const image::GrayImage& picture, int sizes, bool doubled, Simd simd);
 
-  [[nodiscard]] std::span<const SurfLevel> levels() const { return {levels_.data(), used_}; }
-  // The level in whose pixels a scale (in pixels of the picture) lies between 1.6 and 3.2, or the
-  // nearest to that: its octave's. There must be a level.
-  [[nodiscard]] const SurfLevel& level_of_scale(float scale) const;
+  [[nodiscard]] std::span<const SurfOctave> octaves() const { return {octaves_.data(), used_}; }
+  // The octave in whose pixels a scale (in pixels of the picture) lies between 1.6 and 3.2, or the
+  // nearest to that. There must be one.
+  [[nodiscard]] const SurfOctave& octave_of_scale(float scale) const;
 
  private:
   // Intensities times kIntensityScale.
   using WideImage = image::Image<std::uint16_t>;
 
-  std::vector<SurfLevel> levels_;
+  std::vector<SurfOctave> octaves_;
   std::size_t used_ = 0;           // of them and of what follows; the others only keep their memory
   WideImage smooth_;               // the picture, smoothed once
   std::vector<WideImage> halved_;  // before smoothing

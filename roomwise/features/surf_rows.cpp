@@ -98,24 +98,26 @@ template <Simd simd>
 }
 
 // Whether the responses at some samples are at least the threshold and all of `columns`, the
-// greatest of each column, to either side; marked by a number of ones or zeros only.
+// greatest of each column, to either side; marked by all bits or none.
 template <Simd simd>
-[[gnu::always_inline]] inline void mark(const float* responses, const float* columns,
-                                        float threshold, std::int32_t* marks) {
+[[gnu::always_inline]] inline void mark_candidates(const float* responses, const float* columns,
+                                                   float threshold, std::int32_t* candidates) {
   Float<simd> here, left, middle, right;
   load(responses, here);
   load(columns - 1, left);
   load(columns, middle);
   load(columns + 1, right);
-  const Int<simd> marked =
+  const Int<simd> is_candidate =
       (here >= threshold) & (here >= left) & (here >= middle) & (here >= right);
-  store(marked, marks);
+  store(is_candidate, candidates);
 }
 
 // Marks what may be maxima in the middle one of three rows.
 template <Simd simd>
-[[gnu::always_inline]] inline void mark_along_row(const LayerRows& rows, const SampleRange& samples,
-                                                  float threshold, const MarkRows& to) {
+[[gnu::always_inline]] inline void mark_candidates_along_row(const LayerRows& rows,
+                                                             const SampleRange& samples,
+                                                             float threshold,
+                                                             const CandidateRows& to) {
   for (int x = samples.first; x < samples.end; x += kCount<simd>) {
     Float<simd> finest, fine, coarse, coarsest;
     find_highest<simd>(rows[0], x, finest);
@@ -125,26 +127,29 @@ template <Simd simd>
     const Float<simd> both = fine > coarse ? fine : coarse;
     const Float<simd> lower = finest > both ? finest : both;
     const Float<simd> upper = coarsest > both ? coarsest : both;
-    store(lower, to.column_maxima[0] + x);
-    store(upper, to.column_maxima[1] + x);
+    store(lower, to.highest_in_column[0] + x);
+    store(upper, to.highest_in_column[1] + x);
   }
   for (int x = samples.first + 1; x < samples.end - 1; x += kCount<simd>) {
-    mark<simd>(rows[1][1] + x, to.column_maxima[0] + x, threshold, to.marks[0] + x);
-    mark<simd>(rows[2][1] + x, to.column_maxima[1] + x, threshold, to.marks[1] + x);
+    mark_candidates<simd>(rows[1][1] + x, to.highest_in_column[0] + x, threshold,
+                          to.candidates[0] + x);
+    mark_candidates<simd>(rows[2][1] + x, to.highest_in_column[1] + x, threshold,
+                          to.candidates[1] + x);
   }
 }
 
-#define ROOMWISE_KERNELS(name, simd, target)                                                       \
-  constexpr SurfRowKernels name {                                                                  \
-    [](const std::uint32_t* row, const SampleRange& samples, std::uint32_t* even,                  \
-       std::uint32_t* odd) target { split_row<simd>(row, samples, even, odd); },                   \
-        [](const FilterRows& rows, const SampleRange& samples, const Differences& to)              \
-            target { difference_rows<simd>(rows, samples, to); },                                  \
-        [](const FilterColumns& columns, float per_area, const SampleRange& samples,               \
-           float* responses)                                                                       \
-            target { respond_along_row<simd>(columns, per_area, samples, responses); },            \
-        [](const LayerRows& rows, const SampleRange& samples, float threshold, const MarkRows& to) \
-            target { mark_along_row<simd>(rows, samples, threshold, to); }                         \
+#define ROOMWISE_KERNELS(name, simd, target)                                            \
+  constexpr SurfRowKernels name {                                                       \
+    [](const std::uint32_t* row, const SampleRange& samples, std::uint32_t* even,       \
+       std::uint32_t* odd) target { split_row<simd>(row, samples, even, odd); },        \
+        [](const FilterRows& rows, const SampleRange& samples, const Differences& to)   \
+            target { difference_rows<simd>(rows, samples, to); },                       \
+        [](const FilterColumns& columns, float per_area, const SampleRange& samples,    \
+           float* responses)                                                            \
+            target { respond_along_row<simd>(columns, per_area, samples, responses); }, \
+        [](const LayerRows& rows, const SampleRange& samples, float threshold,          \
+           const CandidateRows& to)                                                     \
+            target { mark_candidates_along_row<simd>(rows, samples, threshold, to); }   \
   }
 ROOMWISE_KERNELS(kPortableRows, Simd::kPortable, );
 #if defined(__x86_64__)

@@ -21,10 +21,10 @@ using ThreeRows = std::array<const float*, 3>;  // that follow each other
 using LayerRows = std::array<ThreeRows, kSurfLayers>;
 
 // Of the two layers in the middle: the greatest response of each column around, and which
-// responses may be maxima.
-struct MarkRows {
-  std::array<float*, 2> column_maxima;
-  std::array<std::int32_t*, 2> marks;
+// responses are candidates for maxima.
+struct CandidateRows {
+  std::array<float*, 2> highest_in_column;
+  std::array<std::int32_t*, 2> candidates;
 };
 
 // Rows of numbers are worked on eight at a time, so that they are read and written up to seven
@@ -56,9 +56,10 @@ struct SurfRowKernels {
   // responses[i] becomes the determinant of the Hessian at sample i; per_area makes intensities of
   // the filters' sums.
   void (*respond)(const FilterColumns&, float per_area, const SampleRange&, float* responses);
-  // Marks what may be maxima in the middle one of three rows: all bits or none of marks[k][i] for
-  // sample i of layer k + 1.
-  void (*mark)(const LayerRows&, const SampleRange&, float threshold, const MarkRows&);
+  // Marks what may be maxima in the middle one of three rows: all bits or none of candidates[k][i]
+  // for sample i of layer k + 1.
+  void (*mark_candidates)(const LayerRows&, const SampleRange&, float threshold,
+                          const CandidateRows&);
 };
 [[nodiscard]] const SurfRowKernels& surf_row_kernels(Simd simd);
 

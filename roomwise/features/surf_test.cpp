@@ -24,7 +24,7 @@ using testing::textured_picture;
 
 // Gaussian derivatives answer a blob of sigma t most strongly at s = t. The box filters are wider
 // than the Gaussians they stand for (a lobe of 3 px for s = 1.2), so they do so at s = 0.74 t, and
-// the smoothing of the level where a blob is found adds up to 17 % to that.
+// the smoothing of the octave where a blob is found adds up to 17 % to that.
 TEST(Surf, FindsABlobAtItsCentreAndScale) {
   const SurfExtractor surf({});
   for (const double sigma_px : {2.5, 4.0, 6.0, 10.0}) {
@@ -46,7 +46,7 @@ TEST(Surf, FindsABlobAtItsCentreAndScale) {
   }
 }
 
-// The double size and the pyramid's levels have pixels of other sizes and places than the picture.
+// The double size and the pyramid's octaves have pixels of other sizes and places than the picture.
 TEST(Surf, FindsTheSameBlobFromEverySize) {
   const Eigen::Vector2d centre(103.3, 95.75);
   for (const double sigma_px : {1.3, 3.0, 6.5, 13.0}) {
@@ -71,7 +71,7 @@ void expect_equal(const Features& a, const Features& b) {
     EXPECT_EQ(a.keypoints[i].response, b.keypoints[i].response);
     EXPECT_EQ(a.keypoints[i].bright, b.keypoints[i].bright);
   }
-  EXPECT_EQ(std::get<RealDescriptors>(a.descriptors), std::get<RealDescriptors>(b.descriptors));
+  EXPECT_EQ(std::get<FloatDescriptors>(a.descriptors), std::get<FloatDescriptors>(b.descriptors));
 }
 
 TEST(Surf, GivesTheSameBitsOnEveryProcessor) {
@@ -159,8 +159,8 @@ TEST(Surf, DescriptorsDoNotDependOnTheLight) {
 
   const Features in_shifted = surf.extract(shifted);
   ASSERT_EQ(in_shifted.size(), expected.size());
-  EXPECT_EQ(std::get<RealDescriptors>(in_shifted.descriptors),
-            std::get<RealDescriptors>(expected.descriptors));
+  EXPECT_EQ(std::get<FloatDescriptors>(in_shifted.descriptors),
+            std::get<FloatDescriptors>(expected.descriptors));
 
   // Brighter, so that more are above the threshold; smoothing rounds to a sixteenth of a grey
   // level.

@@ -25,7 +25,7 @@ using testing::wall;
 
 MeasuredFeatures no_features() {
   MeasuredFeatures none;
-  none.features.descriptors = features::RealDescriptors(0, 64);
+  none.features.descriptors = features::FloatDescriptors(0, 64);
   return none;
 }
 FrameMeasurements without_asking_for_features(const RgbdPyramid& view) {

@@ -11,7 +11,7 @@ features::Features one_feature(float x, float y) {
   features::Features features;
   features.keypoints.push_back({});
   features.keypoints.back().position_px = {x, y};
-  features.descriptors = features::RealDescriptors(1, 64);
+  features.descriptors = features::FloatDescriptors(1, 64);
   return features;
 }
 

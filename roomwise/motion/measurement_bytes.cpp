@@ -29,7 +29,7 @@ struct PlainKeypoint {
 void put_features(PlainWriter& writer, const MeasuredFeatures& measured) {
   const std::size_t count = measured.size();
   const bool is_real =
-      std::holds_alternative<features::RealDescriptors>(measured.features.descriptors);
+      std::holds_alternative<features::FloatDescriptors>(measured.features.descriptors);
   writer.put(static_cast<std::uint64_t>(count));
   writer.put(static_cast<std::uint64_t>(is_real ? 1 : 0));
   for (const features::Keypoint& keypoint : measured.features.keypoints) {
@@ -68,7 +68,7 @@ MeasuredFeatures get_features(PlainReader& reader) {
   for (Eigen::Vector2d& pixel : measured.pixels) reader.get(pixel.data(), 2);
   for (Eigen::Vector3d& point : measured.points) reader.get(point.data(), 3);
   if (is_real) {
-    measured.features.descriptors = get_descriptors<features::RealDescriptors>(reader, count);
+    measured.features.descriptors = get_descriptors<features::FloatDescriptors>(reader, count);
   } else {
     measured.features.descriptors = get_descriptors<features::BinaryDescriptors>(reader, count);
   }

@@ -26,8 +26,8 @@ MeasuredFeatures made_up_features(std::size_t count, bool is_real) {
   }
   const auto rows = static_cast<Eigen::Index>(count);
   if (is_real) {
-    measured.features.descriptors = features::RealDescriptors(
-        features::RealDescriptors::NullaryExpr(rows, 64, [&](Eigen::Index, Eigen::Index) {
+    measured.features.descriptors = features::FloatDescriptors(
+        features::FloatDescriptors::NullaryExpr(rows, 64, [&](Eigen::Index, Eigen::Index) {
           return static_cast<float>(random.normal());
         }));
   } else {

@@ -25,7 +25,7 @@ TwoFrames two_frames(const RigidTransform& reference_from_current, int common, i
   RandomStream random(seed);
   const int count = common + wrong;
   TwoFrames frames;
-  features::RealDescriptors descriptors(count, 64);
+  features::FloatDescriptors descriptors(count, 64);
   for (int i = 0; i < count; ++i) {
     for (int k = 0; k < 64; ++k) descriptors(i, k) = static_cast<float>(random.normal());
     descriptors.row(i).normalize();

@@ -21,7 +21,7 @@ std::int8_t in_eight_bits(float entry) {
   return static_cast<std::int8_t>(std::lround(std::clamp(entry * kUnit, -127.0F, 127.0F)));
 }
 
-void take_descriptor(const features::RealDescriptors& all, Eigen::Index from,
+void take_descriptor(const features::FloatDescriptors& all, Eigen::Index from,
                      KeyframeFeatures& taken, Eigen::Index to) {
   for (Eigen::Index k = 0; k < all.cols(); ++k)
     taken.descriptors(to, k) = in_eight_bits(all(from, k));
@@ -36,7 +36,7 @@ void take_descriptor(const features::BinaryDescriptors& all, Eigen::Index from,
   }
 }
 
-Eigen::Index length_of(const features::RealDescriptors& all) {
+Eigen::Index length_of(const features::FloatDescriptors& all) {
   return all.cols();
 }
 Eigen::Index length_of(const features::BinaryDescriptors& all) {

@@ -95,7 +95,7 @@ TEST(KeyframeFeatures, AreTheStrongestInEightBits) {
   const KeyframeFeatures small =
       keyframe_features(measured, scene.truth().models[0].camera, options);
   ASSERT_EQ(small.size(), 20U);
-  const auto& descriptors = std::get<features::RealDescriptors>(measured.features.descriptors);
+  const auto& descriptors = std::get<features::FloatDescriptors>(measured.features.descriptors);
   for (std::size_t i = 0; i < small.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     EXPECT_EQ(small.views[i].pixel, measured.pixels[i]);

@@ -30,7 +30,7 @@ AppearanceIndex::Hashes AppearanceIndex::hash(const features::Features& features
   const auto tables = static_cast<Eigen::Index>(options_.tables);
   Hashes hashes = Hashes::Zero(rows, tables);
   if (rows == 0) return hashes;
-  if (const auto* real = std::get_if<features::RealDescriptors>(&features.descriptors)) {
+  if (const auto* real = std::get_if<features::FloatDescriptors>(&features.descriptors)) {
     const Eigen::MatrixXf signs = (real->topRows(rows).rowwise() - center_) * directions_;
     for (Eigen::Index row = 0; row < rows; ++row) {
       for (Eigen::Index bit = 0; bit < signs.cols(); ++bit) {
@@ -82,7 +82,7 @@ std::vector<AppearanceIndex::Hit> AppearanceIndex::find(const features::Features
 
 void AppearanceIndex::add(KeyframeId id, const features::Features& features) {
   if (center_.size() == 0 && features.size() > 0) {
-    if (const auto* real = std::get_if<features::RealDescriptors>(&features.descriptors)) {
+    if (const auto* real = std::get_if<features::FloatDescriptors>(&features.descriptors)) {
       center_ = real->colwise().mean();
       set_directions(real->cols());
     }

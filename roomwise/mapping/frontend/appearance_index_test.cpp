@@ -13,7 +13,7 @@ namespace {
 
 using features::BinaryDescriptors;
 using features::Features;
-using features::RealDescriptors;
+using features::FloatDescriptors;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
@@ -26,7 +26,7 @@ Features with(Descriptors descriptors) {
 }
 Features real_features(int count, std::uint64_t seed) {
   RandomStream random(seed);
-  RealDescriptors descriptors = RealDescriptors::NullaryExpr(
+  FloatDescriptors descriptors = FloatDescriptors::NullaryExpr(
       count, 64, [&](Eigen::Index, Eigen::Index) { return static_cast<float>(random.normal()); });
   descriptors.rowwise().normalize();
   return with(descriptors);
@@ -43,9 +43,9 @@ Features binary_features(int count, std::uint64_t seed) {
 Features seen_again(const Features& features, std::uint64_t seed) {
   RandomStream random(seed);
   Features again = features;
-  if (auto* real = std::get_if<RealDescriptors>(&again.descriptors)) {
+  if (auto* real = std::get_if<FloatDescriptors>(&again.descriptors)) {
     *real = real->colwise().reverse().eval();
-    *real += RealDescriptors::NullaryExpr(
+    *real += FloatDescriptors::NullaryExpr(
         real->rows(), real->cols(),
         [&](Eigen::Index, Eigen::Index) { return static_cast<float>(0.0125 * random.normal()); });
     real->rowwise().normalize();

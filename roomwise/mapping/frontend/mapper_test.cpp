@@ -55,7 +55,7 @@ class RoomOfPoints {
           kCamera.unproject_undistorted(noisy, point.z() * (1 + 0.003 * random.normal())));
       seen.features.keypoints.emplace_back();
     }
-    features::RealDescriptors descriptors(static_cast<Eigen::Index>(ids.size()), 64);
+    features::FloatDescriptors descriptors(static_cast<Eigen::Index>(ids.size()), 64);
     for (std::size_t k = 0; k < ids.size(); ++k) {
       descriptors.row(static_cast<Eigen::Index>(k)) = descriptors_.row(ids[k]);
     }
@@ -78,7 +78,7 @@ class RoomOfPoints {
   std::uint64_t seed_;
   double radius_m_;
   std::vector<Eigen::Vector3d> points_;
-  features::RealDescriptors descriptors_{kPoints, 64};
+  features::FloatDescriptors descriptors_{kPoints, 64};
 };
 
 // Turning about the vertical with a little sway: frame i of a walk that looks around the room.
@@ -90,7 +90,7 @@ RigidTransform pose_at(int frame, double step_rad = 0.06) {
 
 motion::MeasuredFeatures nothing_seen() {
   motion::MeasuredFeatures nothing;
-  nothing.features.descriptors = features::RealDescriptors(0, 64);
+  nothing.features.descriptors = features::FloatDescriptors(0, 64);
   return nothing;
 }
 

@@ -13,8 +13,8 @@ namespace {
 motion::FrameMeasurements measurements_of(KeyframeId id) {
   constexpr Eigen::Index kFeatures = 20;
   motion::MeasuredFeatures measured;
-  measured.features.descriptors = features::RealDescriptors(
-      features::RealDescriptors::Constant(kFeatures, 64, static_cast<float>(id)));
+  measured.features.descriptors = features::FloatDescriptors(
+      features::FloatDescriptors::Constant(kFeatures, 64, static_cast<float>(id)));
   measured.features.keypoints.resize(kFeatures);
   measured.pixels.assign(kFeatures, Eigen::Vector2d::Constant(static_cast<double>(id)));
   measured.points.assign(kFeatures, Eigen::Vector3d::Constant(static_cast<double>(id)));

@@ -15,7 +15,7 @@ using motion::testing::view_of;
 motion::FrameMeasurements picture(std::uint64_t seed) {
   RandomStream random(seed);
   motion::MeasuredFeatures seen;
-  seen.features.descriptors = features::RealDescriptors::NullaryExpr(
+  seen.features.descriptors = features::FloatDescriptors::NullaryExpr(
       30, 64, [&](Eigen::Index, Eigen::Index) { return static_cast<float>(random.normal()); });
   seen.features.keypoints.resize(30);
   seen.pixels.resize(30);

@@ -50,7 +50,7 @@ class Landmarks {
   // With `without_every` n the n-th, 2n-th ... are left out.
   Landmarks(const Scene& scene, int count, std::uint64_t seed, int without_every = 0) {
     RandomStream random(seed);
-    descriptors_ = features::RealDescriptors::NullaryExpr(
+    descriptors_ = features::FloatDescriptors::NullaryExpr(
         count, 64, [&](Eigen::Index, Eigen::Index) { return static_cast<float>(random.normal()); });
     descriptors_.rowwise().normalize();
     for (int i = 0; i < count; ++i) {
@@ -79,20 +79,20 @@ class Landmarks {
       seen.points.push_back(has_depth ? point : Eigen::Vector3d(0, 0, 0));
       seen.features.keypoints.emplace_back();
     }
-    seen.features.descriptors = features::RealDescriptors(descriptors_(rows, Eigen::all));
+    seen.features.descriptors = features::FloatDescriptors(descriptors_(rows, Eigen::all));
     return seen;
   }
 
  private:
   std::vector<Eigen::Vector3d> points_;
-  features::RealDescriptors descriptors_;
+  features::FloatDescriptors descriptors_;
 };
 
 // What shows the features of both.
 MeasuredFeatures joined(MeasuredFeatures all, const MeasuredFeatures& more) {
-  auto& rows = std::get<features::RealDescriptors>(all.features.descriptors);
-  const auto& more_rows = std::get<features::RealDescriptors>(more.features.descriptors);
-  features::RealDescriptors both(rows.rows() + more_rows.rows(), 64);
+  auto& rows = std::get<features::FloatDescriptors>(all.features.descriptors);
+  const auto& more_rows = std::get<features::FloatDescriptors>(more.features.descriptors);
+  features::FloatDescriptors both(rows.rows() + more_rows.rows(), 64);
   both << rows, more_rows;
   rows = both;
   all.pixels.insert(all.pixels.end(), more.pixels.begin(), more.pixels.end());
@@ -103,7 +103,7 @@ MeasuredFeatures joined(MeasuredFeatures all, const MeasuredFeatures& more) {
 
 MeasuredFeatures no_features() {
   MeasuredFeatures none;
-  none.features.descriptors = features::RealDescriptors(0, 64);
+  none.features.descriptors = features::FloatDescriptors(0, 64);
   return none;
 }
 
@@ -211,8 +211,8 @@ MeasuredFeatures few_of(const MeasuredFeatures& seen) {
     few.points.push_back(seen.points[i]);
     few.features.keypoints.push_back(seen.features.keypoints[i]);
   }
-  const auto& all = std::get<features::RealDescriptors>(seen.features.descriptors);
-  few.features.descriptors = features::RealDescriptors(all(rows, Eigen::all));
+  const auto& all = std::get<features::FloatDescriptors>(seen.features.descriptors);
+  few.features.descriptors = features::FloatDescriptors(all(rows, Eigen::all));
   move_all_but_every(5, few);
   return few;
 }

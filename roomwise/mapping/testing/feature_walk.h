@@ -37,7 +37,7 @@ inline FeatureWalk feature_walk(const Bundle& bundle) {
     }
   }
   for (std::size_t c = 0; c < walk.features.size(); ++c) {
-    features::RealDescriptors rows(static_cast<Eigen::Index>(walk.landmark_of[c].size()), kLength);
+    features::FloatDescriptors rows(static_cast<Eigen::Index>(walk.landmark_of[c].size()), kLength);
     for (std::size_t i = 0; i < walk.landmark_of[c].size(); ++i)
       rows.row(static_cast<Eigen::Index>(i)) = descriptors[walk.landmark_of[c][i]];
     walk.features[c].features.descriptors = std::move(rows);

@@ -123,7 +123,7 @@ inline CommonFeatures common_features(const Scene& scene,
   const geometry::RigidTransform reference_from_current =
       world_from_reference.inverse() * world_from_current;
   CommonFeatures common;
-  features::RealDescriptors descriptors(count, 64);
+  features::FloatDescriptors descriptors(count, 64);
   for (int i = 0; i < count; ++i) {
     descriptors.row(i) = Eigen::RowVectorXf::NullaryExpr(
         64, [&](Eigen::Index) { return static_cast<float>(random.normal()); });
