@@ -74,11 +74,11 @@ struct MinimizerSummary {
 //   void linearize();                                 there, too
 //   std::optional<DampedStep> solve(double damping);  nothing: no solution in double precision
 //   void take_step(); void undo_step();               move the variables by what solve() found
-// `goes_on` is asked before each iteration, and the first no ends the work where it is.
+// `should_continue` is asked before each iteration, and the first no ends the work where it is.
 template <typename Problem>
 MinimizerSummary minimize(
     Problem& problem, const MinimizerOptions& options,
-    const std::function<bool()>& goes_on = [] { return true; }) {
+    const std::function<bool()>& should_continue = [] { return true; }) {
   MinimizerSummary summary;
   double cost = summary.initial_cost = problem.cost();
   double damping = options.initial_damping;
@@ -93,7 +93,7 @@ MinimizerSummary minimize(
   while (!converged) {
     if (summary.iterations == options.max_iterations) return end(Termination::kMaxIterations);
     if (!(damping <= options.max_damping)) return end(Termination::kNoStepFound);
-    if (!goes_on()) return end(Termination::kInterrupted);
+    if (!should_continue()) return end(Termination::kInterrupted);
     ++summary.iterations;
     if (needs_linearization) problem.linearize();
     needs_linearization = false;

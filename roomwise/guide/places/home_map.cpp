@@ -74,7 +74,7 @@ Goal Goal::of(const rooms::Doorway& door) {
   goal.kind = Kind::kDoor;
   goal.noun = {Noun::Kind::kThing, "door"};
   goal.room = door.rooms[0];
-  goal.outline = Outline{door.middle_gravity, {door.width_m, 0}, door.along_rad};
+  goal.outline = Outline{door.middle_gravity, {door.width_m, 0}, door.direction_rad};
   return goal;
 }
 

@@ -23,7 +23,7 @@ std::optional<double> share_at(const Vector2d& from, const Vector2d& to,
     const double share = (middle - from).dot(to - from) / (to - from).squaredNorm();
     return share > 0 && share < 1 ? std::optional(share) : std::nullopt;
   }
-  const Vector2d across(-std::sin(doorway.along_rad), std::cos(doorway.along_rad));
+  const Vector2d across(-std::sin(doorway.direction_rad), std::cos(doorway.direction_rad));
   const double from_m = (from - middle).dot(across), to_m = (to - middle).dot(across);
   if ((from_m > 0) == (to_m > 0)) return std::nullopt;
   return from_m / (from_m - to_m);

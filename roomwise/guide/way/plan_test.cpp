@@ -184,9 +184,9 @@ TEST_F(TwoRoomsTest, WithoutAPlaceTheRoomsAreTold) {
 
 TEST(LegsTest, DoorsAndOpeningsEndLegsAndOpenBordersDoNot) {
   rooms::Doorway door{
-      .rooms = {"hall", "kitchen"}, .width_m = 0.9, .along_rad = 1.5708, .is_framed = true};
+      .rooms = {"hall", "kitchen"}, .width_m = 0.9, .direction_rad = 1.5708, .is_framed = true};
   rooms::Doorway opening{
-      .rooms = {"kitchen", "lounge"}, .width_m = 0.8, .along_rad = 1.5708, .is_walked = true};
+      .rooms = {"kitchen", "lounge"}, .width_m = 0.8, .direction_rad = 1.5708, .is_walked = true};
   rooms::Doorway border{.rooms = {"dining room", "lounge"}, .width_m = 3, .is_walked = true};
   door.middle_gravity = {1, 0};
   opening.middle_gravity = {3, 0};
@@ -203,7 +203,7 @@ TEST(LegsTest, DoorsAndOpeningsEndLegsAndOpenBordersDoNot) {
 
 TEST(LegsTest, ADoorThatOneWalksPastEndsNone) {
   rooms::Doorway door{
-      .rooms = {"hall", "kitchen"}, .width_m = 0.9, .along_rad = 1.5708, .is_framed = true};
+      .rooms = {"hall", "kitchen"}, .width_m = 0.9, .direction_rad = 1.5708, .is_framed = true};
   door.middle_gravity = {1, 0};
   const std::vector doorways{door};
   EXPECT_EQ(legs_of({{0.7, -2}, {0.7, 2}}, doorways).size(), 1U) << "along its wall";

@@ -158,7 +158,7 @@ TEST_F(RoutePromptsTest, DoorsAndCornersEndALeg) {
   door.rooms = {"corridor", "kitchen"};
   door.middle_gravity = Vector2d(2, 0.1);
   door.width_m = 0.8;
-  door.along_rad = std::numbers::pi / 2;
+  door.direction_rad = std::numbers::pi / 2;
   door.is_framed = true;
   EXPECT_THAT(words(route, 0, {door}),
               ElementsAre("Straight on, then 4 steps to the door.", "Straight on, then 4 steps.",

@@ -148,7 +148,7 @@ Doorway doorway_across(const FloorGrid& grid, const Mask& walls,
   }
   doorway.middle_gravity = (from + to) / 2;
   doorway.width_m = widest + cell_m;
-  doorway.along_rad = std::atan2(to.y() - from.y(), to.x() - from.x());
+  doorway.direction_rad = std::atan2(to.y() - from.y(), to.x() - from.x());
   doorway.is_framed =
       is_framed_at(grid, walls, from, from - to) && is_framed_at(grid, walls, to, to - from);
   return doorway;
@@ -353,7 +353,7 @@ void RoomLayout::add_doors(std::span<const LayoutEdit> edits, double unsure_path
     }
     if (there->is_door()) {
       said.width_m = there->width_m;
-      said.along_rad = there->along_rad;
+      said.direction_rad = there->direction_rad;
     }
     *there = said;
   }

@@ -399,7 +399,7 @@ TEST(RoomLayoutTest, AnOpeningIsWhereAWalkLedThroughAndNoFrameWasSeen) {
   const auto seen = RoomLayout::make(grid_of(plan_of_two_rooms()), walks);
   ASSERT_OK(seen);
   EXPECT_FALSE(seen->doorways().front().is_opening()) << "a door";
-  EXPECT_NEAR(std::abs(std::sin(seen->doorways().front().along_rad)), 1, 0.03) << "along y";
+  EXPECT_NEAR(std::abs(std::sin(seen->doorways().front().direction_rad)), 1, 0.03) << "along y";
   const RoomLayout open = open_rooms_with(plan_of_an_open_floor());
   EXPECT_FALSE(open.doorways().front().is_opening()) << "rooms that are open to each other";
 }
