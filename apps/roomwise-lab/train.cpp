@@ -30,7 +30,7 @@ struct Data {
 // The key-frames of these visits. Fails where there are none.
 Expected<HomePictures> pictures_of_visits(const home::Home& home, const std::string& visits) {
   pipeline::RoomSelection selection;
-  ROOMWISE_TRY(selection.visits, pipeline::parse_visits(visits));
+  ROOMWISE_TRY(selection.stays, pipeline::parse_stays(visits));
   ROOMWISE_TRY(HomePictures pictures, HomePictures::read(home, [&](const auto& range) {
                  return selection.contains(range);
                }));
@@ -45,7 +45,7 @@ Expected<HomePictures> pictures_of_visits(const home::Home& home, const std::str
 Expected<HomePictures> pictures_of_other_visits(const home::Home& home, const std::string& visits) {
   pipeline::RoomSelection left_out;
   if (!visits.empty()) {
-    ROOMWISE_TRY(left_out.visits, pipeline::parse_visits(visits));
+    ROOMWISE_TRY(left_out.stays, pipeline::parse_stays(visits));
   }
   return HomePictures::read(home, [&](const recording::RoomRange& range) {
     return visits.empty() || !left_out.contains(range);

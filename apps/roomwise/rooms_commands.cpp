@@ -87,8 +87,8 @@ Expected<recording::RoomLabels> parse_ranges(const NameOptions& options,
     ranges.push_back(*range);
   }
   std::ranges::sort(ranges, {}, &recording::RoomRange::first_frame);
-  std::map<std::string, int> visits;
-  for (recording::RoomRange& range : ranges) range.visit = ++visits[range.room];
+  std::map<std::string, int> stays;
+  for (recording::RoomRange& range : ranges) range.stay = ++stays[range.room];
   return recording::RoomLabels::from_ranges(std::move(ranges));
 }
 

@@ -13,7 +13,7 @@ Expected<pipeline::RoomSelection> parse(const SelectionOptions& options) {
   pipeline::RoomSelection selection;
   selection.rooms = options.rooms;
   if (!options.visits.empty()) {
-    ROOMWISE_TRY(selection.visits, pipeline::parse_visits(options.visits));
+    ROOMWISE_TRY(selection.stays, pipeline::parse_stays(options.visits));
   }
   return selection;
 }

@@ -55,7 +55,7 @@ Expected<std::vector<LabelledPicture>> known_pictures(const RoomTest& test) {
   if (!recorded.damaged.empty()) return fail("{}", recorded.damaged.front().why);
   pipeline::RoomSelection selection;
   if (!test.visits.empty()) {
-    ROOMWISE_TRY(selection.visits, pipeline::parse_visits(test.visits));
+    ROOMWISE_TRY(selection.stays, pipeline::parse_stays(test.visits));
   }
   ROOMWISE_RETURN_IF_ERROR(pipeline::add_frames(recorded, labels, {selection, 0}, all_rooms(labels),
                                                 test.folder.filename().string(), pictures));

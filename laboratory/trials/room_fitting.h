@@ -18,7 +18,7 @@ namespace roomwise::trials {
 // Pictures of a home's rooms, or of other places.
 struct RoomTest {
   std::filesystem::path folder;  // a recording with rooms.txt, or a folder of photos a room
-  std::string visits;            // of the recording: as pipeline::parse_visits() reads them; all
+  std::string visits;            // of the recording: as pipeline::parse_stays() reads them; all
   bool is_elsewhere = false;     // none of the home's rooms is there
 };
 // A home that learned its rooms, and what it is tested on.

@@ -25,14 +25,14 @@ struct Walk {
   home::StoredRecording stored;
 };
 
-struct RoomVisit {
+struct RoomStay {
   home::RecordingId walk = 0;
   recording::RoomRange range;
 };
 struct Room {
   std::string name;
   std::string type;
-  std::vector<RoomVisit> visits;
+  std::vector<RoomStay> visits;
 };
 
 struct HomeObject {
@@ -188,14 +188,14 @@ void bind_keyframe(py::module_& module) {
 }
 
 void bind_room(py::module_& module) {
-  py::class_<RoomVisit>(module, "RoomVisit", "Frames of a walk that were taken in a room.")
-      .def_readonly("walk", &RoomVisit::walk, "Walk.id")
+  py::class_<RoomStay>(module, "RoomVisit", "Frames of a walk that were taken in a room.")
+      .def_readonly("walk", &RoomStay::walk, "Walk.id")
       .def_property_readonly("first_frame",
-                             [](const RoomVisit& self) { return self.range.first_frame; })
+                             [](const RoomStay& self) { return self.range.first_frame; })
       .def_property_readonly(
-          "last_frame", [](const RoomVisit& self) { return self.range.last_frame; }, "Included")
+          "last_frame", [](const RoomStay& self) { return self.range.last_frame; }, "Included")
       .def_property_readonly(
-          "visit", [](const RoomVisit& self) { return self.range.visit; },
+          "visit", [](const RoomStay& self) { return self.range.stay; },
           "Which visit of the room on that walk, from 1");
   py::class_<Room>(module, "Room", "A room of the home, as its walks were named.")
       .def_readonly("name", &Room::name)

@@ -150,7 +150,7 @@ LearningReport learn_rooms(const py::object& home, const py::object& labels,
   }
   pipeline::RoomSelection selection;
   selection.rooms = rooms;
-  if (!visits.empty()) selection.visits = value_of(pipeline::parse_visits(visits));
+  if (!visits.empty()) selection.stays = value_of(pipeline::parse_stays(visits));
   return run_long(progress, [&](Progress& shown) -> Expected<LearningReport> {
     ROOMWISE_TRY(home::Home opened, home::Home::open(file, open));
     pipeline::RoomLearning learning{.variants = variants};

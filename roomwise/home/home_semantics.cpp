@@ -237,7 +237,7 @@ Expected<void> Home::replace_room_ranges(RecordingId id,
       }
       ROOMWISE_RETURN_IF_ERROR(database_.add(
           "room_ranges (recording_id, first_frame_index, last_frame_index, room, visit)", id,
-          range.first_frame, range.last_frame, range.room, range.visit));
+          range.first_frame, range.last_frame, range.room, range.stay));
     }
     return {};
   });

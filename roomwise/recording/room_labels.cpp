@@ -22,8 +22,8 @@ Expected<void> validate(const RoomRange& range) {
   if (auto name = validate_room_name(range.room); !name) {
     return Unexpected(std::move(name).error().with_context(describe(range)));
   }
-  if (range.visit < 1) {
-    return fail("{} is visit {}; visits are numbered from 1", describe(range), range.visit);
+  if (range.stay < 1) {
+    return fail("{} is visit {}; visits are numbered from 1", describe(range), range.stay);
   }
   return {};
 }
@@ -45,11 +45,11 @@ Expected<RoomRange> parse_range(std::span<const std::string_view> words) {
   if (!first) return fail("first_frame = '{}' is not a frame number", words[0]);
   const auto last = parse_number<std::uint64_t>(words[1]);
   if (!last) return fail("last_frame = '{}' is not a frame number", words[1]);
-  const auto visit = parse_number<int>(words.back());
-  if (!visit) return fail("visit = '{}' is not a number from 1", words.back());
+  const auto stay = parse_number<int>(words.back());
+  if (!stay) return fail("visit = '{}' is not a number from 1", words.back());
   // A name may have several words: "living room".
   const auto name = words.subspan(2, words.size() - 3);
-  return RoomRange{*first, *last, fmt::format("{}", fmt::join(name, " ")), *visit};
+  return RoomRange{*first, *last, fmt::format("{}", fmt::join(name, " ")), *stay};
 }
 
 }  // namespace
@@ -100,7 +100,7 @@ std::string RoomLabels::text() const {
   std::string text = "# first_frame last_frame room visit (frames from 0, both ends included)\n";
   for (const RoomRange& range : ranges_) {
     text +=
-        fmt::format("{} {} {} {}\n", range.first_frame, range.last_frame, range.room, range.visit);
+        fmt::format("{} {} {} {}\n", range.first_frame, range.last_frame, range.room, range.stay);
   }
   return text;
 }

@@ -11,14 +11,14 @@
 
 namespace roomwise::recording {
 
-// The frames first_frame to last_frame, both included, were taken in `room` on its `visit`-th visit
-// (from 1). Frames are numbered by the colour image's place in the recording's list
-// (RgbdFrame::index).
+// The frames first_frame to last_frame, both included, were taken in `room` on the walk's
+// `stay`-th stay there (from 1), which files and options call a visit. Frames are numbered by the
+// colour image's place in the recording's list (RgbdFrame::index).
 struct RoomRange {
   std::uint64_t first_frame = 0;
   std::uint64_t last_frame = 0;
   std::string room;
-  int visit = 1;
+  int stay = 1;
 
   friend bool operator==(const RoomRange&, const RoomRange&) = default;
 };

@@ -73,7 +73,7 @@ TEST(RoomLabels, FindsTheRoomOfAFrame) {
   EXPECT_EQ(labels.find(4)->room, "hall");
   EXPECT_EQ(labels.find(5)->room, "bath");
   EXPECT_EQ(labels.find(10), nullptr);
-  EXPECT_EQ(labels.find(20)->visit, 2);
+  EXPECT_EQ(labels.find(20)->stay, 2);
   EXPECT_EQ(labels.find(21), nullptr);
   EXPECT_EQ(RoomLabels().find(0), nullptr);
 }

@@ -33,7 +33,7 @@ pipeline::EditAuthor LiveHome::author(const std::string& name) const {
 Expected<void> LiveHome::name_rooms(home::RecordingId walk,
                                     std::vector<recording::RoomRange> ranges,
                                     const std::string& by) {
-  pipeline::number_visits(ranges);
+  pipeline::number_stays(ranges);
   ROOMWISE_TRY(const auto labels, recording::RoomLabels::from_ranges(std::move(ranges)));
   ROOMWISE_TRY(const auto counts, photos_->counts());
   std::set<std::string> with_photos;

@@ -80,7 +80,7 @@ Expected<void> rename_frames_by_place(
     }
     if (parts == ranges) return {};
     ranges = std::move(parts);
-    number_visits(ranges);
+    number_stays(ranges);
     return {};
   });
 }
@@ -237,10 +237,10 @@ Expected<home::EditId> set_room_type(home::Home& home, const EditAuthor& author,
   return record(home, std::move(edit), [&] { return home.replace_rooms(rooms); });
 }
 
-void number_visits(std::vector<recording::RoomRange>& ranges) {
+void number_stays(std::vector<recording::RoomRange>& ranges) {
   std::ranges::sort(ranges, {}, &recording::RoomRange::first_frame);
-  std::map<std::string, int> visits;
-  for (recording::RoomRange& range : ranges) range.visit = ++visits[range.room];
+  std::map<std::string, int> stays;
+  for (recording::RoomRange& range : ranges) range.stay = ++stays[range.room];
 }
 
 Expected<void> name_frames(home::Home& home, const EditAuthor& author, home::RecordingId walk,
@@ -303,7 +303,7 @@ Expected<home::EditId> join_rooms(home::Home& home, const EditAuthor& author,
           for (recording::RoomRange& range : ranges) {
             if (range.room == joined) range.room = kept;
           }
-          number_visits(ranges);
+          number_stays(ranges);
           return {};
         }));
     ROOMWISE_RETURN_IF_ERROR(move_object_claims(home, joined, kept));

@@ -23,8 +23,8 @@ namespace roomwise::pipeline {
 [[nodiscard]] Expected<home::EditId> set_room_type(home::Home& home, const EditAuthor& author,
                                                    const std::string& room,
                                                    const std::string& type);
-// Counts each room's visits, in the order of frames.
-void number_visits(std::vector<recording::RoomRange>& ranges);
+// Counts the stays in each room, in the order of frames.
+void number_stays(std::vector<recording::RoomRange>& ranges);
 // Names the rooms of a walk's frames, as name_rooms() does. A room whose frames are all called
 // otherwise now, by one new name, is renamed; one that is left without frames goes from the list,
 // but for those to `keep`. Where a walk was named alike before, nothing is changed.

@@ -62,8 +62,8 @@ class RoomEdits : public ::testing::Test {
     return walk;
   }
   static recording::RoomLabels labels(std::vector<recording::RoomRange> ranges) {
-    std::map<std::string, int> visits;
-    for (recording::RoomRange& range : ranges) range.visit = ++visits[range.room];
+    std::map<std::string, int> stays;
+    for (recording::RoomRange& range : ranges) range.stay = ++stays[range.room];
     return recording::RoomLabels::from_ranges(std::move(ranges)).value();
   }
   [[nodiscard]] std::vector<std::string> names() const {
@@ -237,7 +237,7 @@ TEST_F(RoomEdits, AJoinedRoomIsTheOtherOneFromNowOn) {
   EXPECT_THAT(names(), ElementsAre("kitchen"));
   EXPECT_EQ(room_at(5), "kitchen");
   EXPECT_EQ(room_of_frame(50), "kitchen");
-  EXPECT_EQ(home_->room_ranges(1)->ranges().back().visit, 2);
+  EXPECT_EQ(home_->room_ranges(1)->ranges().back().stay, 2);
 }
 
 TEST_F(RoomEdits, UndoingAJoinBringsBackWhatWasSaidOfBothRooms) {

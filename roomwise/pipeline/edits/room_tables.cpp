@@ -28,7 +28,7 @@ Json claims_json(const std::vector<rooms::ObjectClaim>& claims) {
 Json ranges_json(const std::vector<recording::RoomRange>& ranges) {
   Json json = Json::array();
   for (const recording::RoomRange& range : ranges) {
-    json.push_back({range.first_frame, range.last_frame, range.room, range.visit});
+    json.push_back({range.first_frame, range.last_frame, range.room, range.stay});
   }
   return json;
 }

@@ -905,7 +905,7 @@ TEST_F(MapRecording, LearnsAndRecognisesItsRooms) {
   Networks others;
   others.push_back(std::make_unique<ColorNetwork>(std::vector<std::string>{"a", "b"}));
   EXPECT_ERROR(RoomRecognizer::create(home, others), "is not the one that this home was made with");
-  EXPECT_ERROR(learn_rooms_from_keyframes(home, {.visits = {}, .rooms = {"attic"}}, {}, {}, run),
+  EXPECT_ERROR(learn_rooms_from_keyframes(home, {.stays = {}, .rooms = {"attic"}}, {}, {}, run),
                "no room 'attic'");
   EXPECT_ERROR(learn_rooms_from_keyframes(home, {}, {.variants = 2}, others, run),
                "give its file by --network");

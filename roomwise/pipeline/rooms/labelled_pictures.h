@@ -13,7 +13,7 @@
 
 namespace roomwise::pipeline {
 
-// A picture whose room is known. Pictures of one `sequence` (a visit of a room) follow each other;
+// A picture whose room is known. Pictures of one `sequence` (a stay in a room) follow each other;
 // pairs stay within it.
 struct LabelledPicture {
   std::function<Expected<image::ColorImage>()> read;

@@ -261,7 +261,7 @@ Expected<rooms::LearningReport> learn_rooms_from_keyframes(home::Home& home,
       continue;
     samples.push_back({prediction->second.features, range->room,
                        static_cast<std::uint64_t>(keyframe.recording),
-                       static_cast<std::uint64_t>(range->visit)});
+                       static_cast<std::uint64_t>(range->stay)});
     ids.push_back(keyframe.id);
   }
   const home::Network& network = stored_networks.at(network_id);

@@ -6,32 +6,32 @@
 namespace roomwise::pipeline {
 namespace {
 
-std::optional<int> parse_visit(std::string_view text) {
-  int visit = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), visit);
-  if (error != std::errc() || end != text.data() + text.size() || visit < 1) return std::nullopt;
-  return visit;
+std::optional<int> parse_stay(std::string_view text) {
+  int stay = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), stay);
+  if (error != std::errc() || end != text.data() + text.size() || stay < 1) return std::nullopt;
+  return stay;
 }
 
-std::optional<VisitSpan> parse_span(std::string_view text) {
+std::optional<StaySpan> parse_span(std::string_view text) {
   const std::size_t dash = text.find('-');
-  const auto first = parse_visit(text.substr(0, dash));
+  const auto first = parse_stay(text.substr(0, dash));
   if (!first) return std::nullopt;
-  if (dash == std::string_view::npos) return VisitSpan{*first, first};
-  if (dash + 1 == text.size()) return VisitSpan{*first, std::nullopt};
-  const auto last = parse_visit(text.substr(dash + 1));
+  if (dash == std::string_view::npos) return StaySpan{*first, first};
+  if (dash + 1 == text.size()) return StaySpan{*first, std::nullopt};
+  const auto last = parse_stay(text.substr(dash + 1));
   if (!last || *last < *first) return std::nullopt;
-  return VisitSpan{*first, last};
+  return StaySpan{*first, last};
 }
 
 }  // namespace
 
 bool RoomSelection::contains(const recording::RoomRange& range) const {
-  const bool visit_selected =
-      visits.empty() || std::ranges::any_of(visits, [&](const VisitSpan& span) {
-        return range.visit >= span.first && (!span.last || range.visit <= *span.last);
+  const bool stay_selected =
+      stays.empty() || std::ranges::any_of(stays, [&](const StaySpan& span) {
+        return range.stay >= span.first && (!span.last || range.stay <= *span.last);
       });
-  return visit_selected && (rooms.empty() || std::ranges::count(rooms, range.room) > 0);
+  return stay_selected && (rooms.empty() || std::ranges::count(rooms, range.room) > 0);
 }
 
 Expected<void> RoomSelection::check_against(const recording::RoomLabels& labels) const {
@@ -43,14 +43,14 @@ Expected<void> RoomSelection::check_against(const recording::RoomLabels& labels)
   return {};
 }
 
-Expected<std::vector<VisitSpan>> parse_visits(std::string_view text) {
-  std::vector<VisitSpan> visits;
+Expected<std::vector<StaySpan>> parse_stays(std::string_view text) {
+  std::vector<StaySpan> stays;
   for (std::string_view rest = text;;) {
     const std::size_t comma = rest.find(',');
     const auto span = parse_span(rest.substr(0, comma));
     if (!span) return fail("'{}' are no visits; expected for example 1, 2- or 1-3", text);
-    visits.push_back(*span);
-    if (comma == std::string_view::npos) return visits;
+    stays.push_back(*span);
+    if (comma == std::string_view::npos) return stays;
     rest.remove_prefix(comma + 1);
   }
 }

@@ -10,17 +10,17 @@
 
 namespace roomwise::pipeline {
 
-// Visits first to last of a room, both included; no last: all from the first on.
-struct VisitSpan {
+// Stays first to last in a room, both included; no last: all from the first on.
+struct StaySpan {
   int first = 1;
   std::optional<int> last;
 
-  friend bool operator==(const VisitSpan&, const VisitSpan&) = default;
+  friend bool operator==(const StaySpan&, const StaySpan&) = default;
 };
 
 // Which parts of a labelled recording are meant. Empty lists mean all.
 struct RoomSelection {
-  std::vector<VisitSpan> visits;
+  std::vector<StaySpan> stays;
   std::vector<std::string> rooms;
 
   [[nodiscard]] bool contains(const recording::RoomRange& range) const;
@@ -28,7 +28,7 @@ struct RoomSelection {
   [[nodiscard]] Expected<void> check_against(const recording::RoomLabels& labels) const;
 };
 
-// "1", "2-", "1-3", "1,4-": visits are counted from 1.
-[[nodiscard]] Expected<std::vector<VisitSpan>> parse_visits(std::string_view text);
+// "1", "2-", "1-3", "1,4-": stays are counted from 1.
+[[nodiscard]] Expected<std::vector<StaySpan>> parse_stays(std::string_view text);
 
 }  // namespace roomwise::pipeline

@@ -11,18 +11,18 @@ namespace {
 using ::testing::ElementsAre;
 
 TEST(ParseVisits, ReadsNumbersAndSpans) {
-  EXPECT_THAT(parse_visits("1").value(), ElementsAre(VisitSpan{1, 1}));
-  EXPECT_THAT(parse_visits("2-").value(), ElementsAre(VisitSpan{2, std::nullopt}));
-  EXPECT_THAT(parse_visits("1-3,7").value(), ElementsAre(VisitSpan{1, 3}, VisitSpan{7, 7}));
+  EXPECT_THAT(parse_stays("1").value(), ElementsAre(StaySpan{1, 1}));
+  EXPECT_THAT(parse_stays("2-").value(), ElementsAre(StaySpan{2, std::nullopt}));
+  EXPECT_THAT(parse_stays("1-3,7").value(), ElementsAre(StaySpan{1, 3}, StaySpan{7, 7}));
   for (const char* text : {"", "0", "a", "3-1", "1,", "-2", "1--2", "1.5"}) {
-    EXPECT_ERROR(parse_visits(text), "are no visits");
+    EXPECT_ERROR(parse_stays(text), "are no visits");
   }
 }
 
-TEST(RoomSelection, SelectsByVisitAndRoom) {
+TEST(RoomSelection, SelectsByStayAndRoom) {
   const RoomSelection all;
   EXPECT_TRUE(all.contains({0, 1, "hall", 5}));
-  const RoomSelection some{{VisitSpan{2, std::nullopt}}, {"hall"}};
+  const RoomSelection some{{StaySpan{2, std::nullopt}}, {"hall"}};
   EXPECT_TRUE(some.contains({0, 1, "hall", 2}));
   EXPECT_FALSE(some.contains({0, 1, "hall", 1}));
   EXPECT_FALSE(some.contains({0, 1, "attic", 2}));

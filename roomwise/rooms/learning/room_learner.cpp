@@ -73,14 +73,14 @@ Expected<std::vector<std::string>> rooms_of(std::span<const RoomSample> samples,
   return rooms;
 }
 
-using Visits = std::map<std::uint64_t, std::vector<std::size_t>>;  // the samples of each
+using Stays = std::map<std::uint64_t, std::vector<std::size_t>>;  // the samples of each
 
-// Cuts the samples of every visit into blocks, one a fold. A visit with fewer samples than folds
-// begins at another fold than the visit before it, so that the folds fill evenly.
-void hold_out_blocks(const Visits& visits, int folds, std::vector<int>& fold_of) {
+// Cuts the samples of every stay into blocks, one a fold. A stay with fewer samples than folds
+// begins at another fold than the stay before it, so that the folds fill evenly.
+void hold_out_blocks(const Stays& stays, int folds, std::vector<int>& fold_of) {
   const auto fold_count = static_cast<std::size_t>(folds);
   std::size_t first_fold = 0;
-  for (const auto& [visit, indices] : visits) {
+  for (const auto& [stay, indices] : stays) {
     const std::size_t blocks = std::min(fold_count, indices.size());
     for (std::size_t i = 0; i < indices.size(); ++i) {
       const std::size_t block = i * blocks / indices.size();
@@ -90,39 +90,39 @@ void hold_out_blocks(const Visits& visits, int folds, std::vector<int>& fold_of)
   }
 }
 
-std::size_t count_of(const Visits& visits) {
+std::size_t count_of(const Stays& stays) {
   std::size_t count = 0;
-  for (const auto& [visit, indices] : visits) count += indices.size();
+  for (const auto& [stay, indices] : stays) count += indices.size();
   return count;
 }
 
 // Whether enough is left to learn the room from, whichever of the walks is held out.
-bool can_hold_out_walks(const std::map<std::uint64_t, Visits>& walks, std::size_t min_pictures) {
+bool can_hold_out_walks(const std::map<std::uint64_t, Stays>& walks, std::size_t min_pictures) {
   std::size_t all = 0, largest = 0;
-  for (const auto& [walk, visits] : walks) {
-    all += count_of(visits);
-    largest = std::max(largest, count_of(visits));
+  for (const auto& [walk, stays] : walks) {
+    all += count_of(stays);
+    largest = std::max(largest, count_of(stays));
   }
   return all - largest >= min_pictures;
 }
 
 // By sample: the fold that holds it out.
 std::vector<int> folds_of(std::span<const RoomSample> samples, const LearningOptions& options) {
-  std::map<std::string, std::map<std::uint64_t, Visits>> walks_of_room;
+  std::map<std::string, std::map<std::uint64_t, Stays>> walks_of_room;
   for (std::size_t i = 0; i < samples.size(); ++i)
-    walks_of_room[samples[i].room][samples[i].walk][samples[i].visit].push_back(i);
+    walks_of_room[samples[i].room][samples[i].walk][samples[i].stay].push_back(i);
   std::vector<int> fold_of(samples.size(), 0);
   for (const auto& [room, walks] : walks_of_room) {
     if (!can_hold_out_walks(walks, options.min_pictures)) {
-      Visits of_all;
-      for (const auto& [walk, visits] : walks)
-        for (const auto& [visit, indices] : visits) of_all.emplace(of_all.size(), indices);
+      Stays of_all;
+      for (const auto& [walk, stays] : walks)
+        for (const auto& [stay, indices] : stays) of_all.emplace(of_all.size(), indices);
       hold_out_blocks(of_all, options.folds, fold_of);
       continue;
     }
     int fold = 0;
-    for (const auto& [walk, visits] : walks) {
-      for (const auto& [visit, indices] : visits)
+    for (const auto& [walk, stays] : walks) {
+      for (const auto& [stay, indices] : stays)
         for (const std::size_t i : indices) fold_of[i] = fold;
       fold = (fold + 1) % options.folds;
     }

@@ -15,10 +15,10 @@ namespace roomwise::rooms {
 struct RoomSample {
   std::vector<float> features;  // as the network gives them
   std::string room;
-  // The walk it was taken on, and which visit of the room on that. The samples of one room, walk
-  // and visit stand in the order of time: neighbours show nearly the same.
+  // The walk it was taken on, and which stay in the room on that. The samples of one room, walk
+  // and stay stand in the order of time: neighbours show nearly the same.
   std::uint64_t walk = 0;
-  std::uint64_t visit = 0;
+  std::uint64_t stay = 0;
   // The same of varied pictures of it (network/augmentation.h). They are learned from beside the
   // picture, and held out with it; the held-out test looks at the picture itself alone.
   std::vector<std::vector<float>> variants = {};
@@ -71,7 +71,7 @@ struct LearnedRooms {
 //
 // The held-out test: of a room that several walks show, each round holds out the pictures of other
 // walks, so that it knows what another day looks like, where enough are left without them. Else the
-// pictures of a room on a visit are cut into `folds` blocks that follow each other, and in each
+// pictures of a stay in a room are cut into `folds` blocks that follow each other, and in each
 // round one block of every room is held out (not single pictures, whose neighbours on the walk are
 // nearly the same and would make the test too easy). Of the weight decays whose precision on what
 // was held out is within one standard error of the best, the strongest is chosen, and the

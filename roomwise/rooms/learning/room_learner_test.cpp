@@ -134,11 +134,11 @@ TEST(LearnRooms, WarnsOfARoomWithFewPictures) {
 }
 
 TEST(LearnRooms, ARoomSeenOnShortVisitsIsHeldOutEvenly) {
-  // One picture a visit: every round still has pictures of the room to learn from.
+  // One picture a stay: every round still has pictures of the room to learn from.
   std::vector<RoomSample> samples;
   add_pictures(samples, "hall", 0, 20, 0.1);
-  for (std::uint64_t visit = 0; visit < 5; ++visit) {
-    add_pictures(samples, "bath", 1, 1, 0.1, visit);
+  for (std::uint64_t stay = 0; stay < 5; ++stay) {
+    add_pictures(samples, "bath", 1, 1, 0.1, stay);
   }
   EXPECT_OK(learn_rooms(samples, kNetwork));
 }
