@@ -70,7 +70,7 @@ Expected<Answer> describe_home(const InfoOptions& options, Context& context) {
   ROOMWISE_TRY(const auto recordings, home.recordings());
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto edges, home.edges());
-  ROOMWISE_TRY(const auto objects, home.paper_objects());
+  ROOMWISE_TRY(const auto objects, home.confirmed_objects());
   ROOMWISE_TRY(const pipeline::HomeThings things, pipeline::find_home_things(home));
   ROOMWISE_TRY(const auto edits, home.edits());
   ROOMWISE_TRY(const auto rooms, home.rooms());

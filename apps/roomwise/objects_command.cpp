@@ -87,7 +87,7 @@ struct Columns {
   }
 };
 
-void add(Answer& answer, const objects::PaperObject& object, const Places& places) {
+void add(Answer& answer, const objects::ConfirmedObject& object, const Places& places) {
   const home::Keyframe& keyframe = places.keyframes.at(object.keyframe_id);
   const std::string room = places.room_of(object.keyframe_id);
   std::optional<Eigen::Vector3d> position;
@@ -163,8 +163,8 @@ Expected<Answer> list_found(const home::Home& home, const std::string& rule, Con
   Answer answer;
   answer.json = {{"rule", rule}, {"objects", Json::array()}};
   if (rule == "paper") {
-    ROOMWISE_TRY(const auto objects, home.paper_objects());
-    for (const objects::PaperObject& object : objects) add(answer, object, places);
+    ROOMWISE_TRY(const auto objects, home.confirmed_objects());
+    for (const objects::ConfirmedObject& object : objects) add(answer, object, places);
   } else {
     ROOMWISE_TRY(const auto finders, home.region_finders());
     if (finders.empty()) {

@@ -252,10 +252,10 @@ Expected<ObjectEvaluation> evaluate_objects(const home::Home& home, const Object
     return keyframes.at(id).recording == there.walk;
   };
 
-  ROOMWISE_TRY(const auto objects, home.paper_objects());
+  ROOMWISE_TRY(const auto objects, home.confirmed_objects());
   std::vector<PlacedObject> by_rules;
   std::size_t without_place = 0;
-  for (const objects::PaperObject& object : objects) {
+  for (const objects::ConfirmedObject& object : objects) {
     const home::KeyframePose& pose = keyframes.at(object.keyframe_id).pose;
     if (!object.position_keyframe || pose.component != 0) {
       ++without_place;

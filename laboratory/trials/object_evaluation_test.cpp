@@ -37,7 +37,7 @@ TEST(ObjectEvaluation, ComparesWithWhatIsThere) {
   const roomwise::testing::ScratchFolder folder;
   pipeline::testing::SyntheticWalk walk(45);
   const home::Home home = mapped_home(folder / "a.home", walk);
-  const objects::PaperObject bed = home.paper_objects()->front();
+  const objects::ConfirmedObject bed = home.confirmed_objects()->front();
   ASSERT_EQ(bed.name, "bed");
   const Eigen::Vector3d place =
       home.keyframes()->at(bed.keyframe_id).pose.world_from_keyframe * *bed.position_keyframe;
@@ -139,7 +139,7 @@ TEST(ObjectEvaluation, WhatAnotherWalkAloneShowsCountsNeitherWay) {
   const auto wrong = [&](home::KeyframeId best) {
     chair.keyframe_id = best;
     EXPECT_OK(home.replace_instances(std::vector{chair}));
-    EXPECT_OK(home.replace_paper_objects(std::vector<objects::PaperObject>{
+    EXPECT_OK(home.replace_confirmed_objects(std::vector<objects::ConfirmedObject>{
         {"chair", best, 0.9, 4, Eigen::Vector3d(Eigen::Vector3d::Zero())}}));
     const auto result = evaluate_objects(home, {folder.path(), {}}, 1.0).value();
     EXPECT_EQ(result.instances_shown.size(), result.instances.found.size());

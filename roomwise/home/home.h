@@ -24,7 +24,7 @@
 #include "roomwise/home/picture_cipher.h"
 #include "roomwise/home/writer_lock.h"
 #include "roomwise/network/vision/classifier.h"
-#include "roomwise/objects/detection/paper_objects.h"
+#include "roomwise/objects/detection/confirmed_objects.h"
 #include "roomwise/objects/detection/region_surface.h"
 #include "roomwise/objects/instances/instances.h"
 #include "roomwise/objects/own_things/shown_thing.h"
@@ -381,8 +381,9 @@ class Home {
   // Best first (by name where equal); key-frames without observations are left out.
   [[nodiscard]] Expected<std::map<KeyframeId, std::vector<objects::ObjectScore>>> observations()
       const;
-  [[nodiscard]] Expected<void> replace_paper_objects(std::span<const objects::PaperObject> objects);
-  [[nodiscard]] Expected<std::vector<objects::PaperObject>> paper_objects()
+  [[nodiscard]] Expected<void> replace_confirmed_objects(
+      std::span<const objects::ConfirmedObject> objects);
+  [[nodiscard]] Expected<std::vector<objects::ConfirmedObject>> confirmed_objects()
       const;  // in the order given
 
   // ---- where in key-frames things are, and what they are together ----

@@ -144,7 +144,7 @@ TEST_F(ProtectedHome, WithoutItsPassphraseAnswersAllButPictures) {
   EXPECT_TRUE(home.is_locked());
   EXPECT_THAT(home.keyframes().value(), SizeIs(kKeyframes));
   EXPECT_THAT(home.frames(1).value(), SizeIs(10));
-  EXPECT_OK(home.paper_objects());
+  EXPECT_OK(home.confirmed_objects());
   EXPECT_OK(home.rooms());
   EXPECT_OK(home.instances());
   EXPECT_OK(home.verify());

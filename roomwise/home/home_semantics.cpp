@@ -106,10 +106,10 @@ Expected<std::map<KeyframeId, std::vector<objects::ObjectScore>>> Home::observat
   return observations;
 }
 
-Expected<void> Home::replace_paper_objects(std::span<const objects::PaperObject> objects) {
+Expected<void> Home::replace_confirmed_objects(std::span<const objects::ConfirmedObject> objects) {
   return atomically([&]() -> Expected<void> {
     ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM objects"));
-    for (const objects::PaperObject& object : objects) {
+    for (const objects::ConfirmedObject& object : objects) {
       std::optional<std::array<double, 3>> position;
       if (const auto& p = object.position_keyframe) {
         if (!p->allFinite()) {
@@ -125,17 +125,17 @@ Expected<void> Home::replace_paper_objects(std::span<const objects::PaperObject>
   });
 }
 
-Expected<std::vector<objects::PaperObject>> Home::paper_objects() const {
-  return collect<std::vector<objects::PaperObject>>(
+Expected<std::vector<objects::ConfirmedObject>> Home::confirmed_objects() const {
+  return collect<std::vector<objects::ConfirmedObject>>(
       database_,
       "SELECT name, keyframe_id, score, observations, x_m, y_m, z_m FROM objects "
       "ORDER BY object_id",
       [](const Statement& row) {
-        return objects::PaperObject{.name = row.column<std::string>(0),
-                                    .keyframe_id = row.column<KeyframeId>(1),
-                                    .score = row.column<double>(2),
-                                    .observations = row.column<int>(3),
-                                    .position_keyframe = point_column(row, 4)};
+        return objects::ConfirmedObject{.name = row.column<std::string>(0),
+                                        .keyframe_id = row.column<KeyframeId>(1),
+                                        .score = row.column<double>(2),
+                                        .observations = row.column<int>(3),
+                                        .position_keyframe = point_column(row, 4)};
       });
 }
 

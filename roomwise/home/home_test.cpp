@@ -291,11 +291,11 @@ TEST_F(HomeTest, KeepsSightings) {
 
 TEST_F(HomeTest, KeepsObjectsInTheirOrder) {
   commit_keyframes(2);
-  const std::vector<objects::PaperObject> objects{
+  const std::vector<objects::ConfirmedObject> objects{
       {"lamp", 1, 0.9, 4, std::nullopt}, {"bed", 0, 1.0 / 3, 7, Eigen::Vector3d(0.1, -0.2, 2.5)}};
-  ASSERT_OK(home_.replace_paper_objects(objects));
-  ASSERT_OK(home_.replace_paper_objects(objects));
-  const auto stored = home_.paper_objects().value();
+  ASSERT_OK(home_.replace_confirmed_objects(objects));
+  ASSERT_OK(home_.replace_confirmed_objects(objects));
+  const auto stored = home_.confirmed_objects().value();
   ASSERT_THAT(stored, SizeIs(2));
   EXPECT_EQ(stored[0].name, "lamp");
   EXPECT_EQ(stored[0].position_keyframe, std::nullopt);
@@ -304,9 +304,10 @@ TEST_F(HomeTest, KeepsObjectsInTheirOrder) {
   EXPECT_EQ(stored[1].observations, 7);
   EXPECT_EQ(stored[1].position_keyframe, objects[1].position_keyframe);
 
-  EXPECT_ERROR(home_.replace_paper_objects(std::vector<objects::PaperObject>{{"bed", 9, 1, 4, {}}}),
-               "contradicts");
-  EXPECT_THAT(home_.paper_objects().value(), SizeIs(2)) << "the earlier ones are still there";
+  EXPECT_ERROR(
+      home_.replace_confirmed_objects(std::vector<objects::ConfirmedObject>{{"bed", 9, 1, 4, {}}}),
+      "contradicts");
+  EXPECT_THAT(home_.confirmed_objects().value(), SizeIs(2)) << "the earlier ones are still there";
 }
 
 TEST_F(HomeTest, KeepsConcepts) {
@@ -382,7 +383,8 @@ TEST_F(HomeTest, RemovingARecordingTakesAllThatCameFromIt) {
   commit_keyframes(3);
   ASSERT_OK(home_.replace_rooms(std::vector<rooms::Room>{{"kitchen", "kitchen"}}));
   ASSERT_OK(home_.replace_room_ranges(1, {{0, 4, "kitchen", 1}}));
-  ASSERT_OK(home_.replace_paper_objects(std::vector<objects::PaperObject>{{"bed", 0, 0.5, 4, {}}}));
+  ASSERT_OK(home_.replace_confirmed_objects(
+      std::vector<objects::ConfirmedObject>{{"bed", 0, 0.5, 4, {}}}));
   ASSERT_OK(home_.replace_keyframe_rooms({{0, {{"kitchen", 0.75}}}}));
   // Another walk, placed by a key-frame of the first one.
   ASSERT_EQ(home_.add_recording(testing::sample_recording()).value(), 2);
@@ -400,7 +402,7 @@ TEST_F(HomeTest, RemovingARecordingTakesAllThatCameFromIt) {
   EXPECT_THAT(home_.predictions(1).value(), IsEmpty());
   EXPECT_THAT(home_.observations().value(), IsEmpty());
   EXPECT_THAT(home_.keyframe_rooms().value(), IsEmpty());
-  EXPECT_THAT(home_.paper_objects().value(), IsEmpty());
+  EXPECT_THAT(home_.confirmed_objects().value(), IsEmpty());
   EXPECT_THAT(home_.room_ranges(1).value().ranges(), IsEmpty());
   const auto frames = home_.frames(2).value();
   ASSERT_THAT(frames, SizeIs(1));
@@ -434,7 +436,8 @@ TEST_F(HomeTest, RemovingTheFirstOfTwoWalksLeavesTheOtherNumberedFromZero) {
                     .edges = {testing::sample_edge(1, 6, true), testing::sample_edge(4, 6, true)},
                     .frames = {},
                     .next_frame_index = 4}));
-  ASSERT_OK(home_.replace_paper_objects(std::vector<objects::PaperObject>{{"bed", 5, 0.5, 4, {}}}));
+  ASSERT_OK(home_.replace_confirmed_objects(
+      std::vector<objects::ConfirmedObject>{{"bed", 5, 0.5, 4, {}}}));
   ASSERT_OK(home_.put_derived_data({"floor", "c0ffee", {1}}));
 
   ASSERT_OK(home_.remove_recording(1));
@@ -451,7 +454,7 @@ TEST_F(HomeTest, RemovingTheFirstOfTwoWalksLeavesTheOtherNumberedFromZero) {
   EXPECT_EQ(edges[3].from, 2U);
   EXPECT_EQ(edges[3].to, 4U);
   EXPECT_EQ(home_.frames(3).value().back().place->keyframe, 4U);
-  EXPECT_EQ(home_.paper_objects().value()[0].keyframe_id, 3U);
+  EXPECT_EQ(home_.confirmed_objects().value()[0].keyframe_id, 3U);
   EXPECT_FALSE(home_.derived_data("floor").value());
   EXPECT_OK(home_.verify());
 }
@@ -523,8 +526,8 @@ TEST_F(HomeTest, SeveralWritesAreOneWhenAskedFor) {
     return home_.atomically([&]() -> Expected<void> {
       ROOMWISE_RETURN_IF_ERROR(home_.replace_poses({{1, {testing::sample_pose(9), 0}}}));
       ROOMWISE_RETURN_IF_ERROR(home_.finish_recording(1));
-      return home_.replace_paper_objects(
-          std::vector<objects::PaperObject>{{"bed", object_keyframe, 0.5, 4, std::nullopt}});
+      return home_.replace_confirmed_objects(
+          std::vector<objects::ConfirmedObject>{{"bed", object_keyframe, 0.5, 4, std::nullopt}});
     });
   };
   EXPECT_ERROR(finish(99), "contradicts");
@@ -566,7 +569,7 @@ TEST_F(HomeTest, DigestIsOfTheContentNotOfItsHistory) {
         b.replace_keyframe_rooms({{0, {{"Anna's room", 0.2}, {"kitchen", 0.8}}}}));
     ROOMWISE_RETURN_IF_ERROR(
         b.replace_room_ranges(1, {{0, 4, "kitchen", 1}, {5, 9, "Anna's room", 1}}));
-    ROOMWISE_RETURN_IF_ERROR(b.replace_paper_objects(std::vector<objects::PaperObject>{
+    ROOMWISE_RETURN_IF_ERROR(b.replace_confirmed_objects(std::vector<objects::ConfirmedObject>{
         {"bed", 1, 0.5, 4, Eigen::Vector3d(0.1, -0.2, 2.5)}, {"lamp", 2, 0.9, 4, std::nullopt}}));
     const std::vector<std::string> labels{"couch", "bed"};
     ROOMWISE_RETURN_IF_ERROR(b.add_region_finder({"finder", "f1nd", labels}).map([](auto) {}));

@@ -198,7 +198,7 @@ inline void fill(Home& home) {
   ROOMWISE_MUST(home.put_derived_data({"floor", "c0ffee", {1, 2, 3}}));
   ROOMWISE_MUST(home.add_network(sample_network()));
   for (KeyframeId id = 0; id < 4; ++id) ROOMWISE_MUST(home.commit(sample_commit(1, 1, id)));
-  ROOMWISE_MUST(home.replace_paper_objects(std::vector<objects::PaperObject>{
+  ROOMWISE_MUST(home.replace_confirmed_objects(std::vector<objects::ConfirmedObject>{
       {"bed", 1, 0.5, 4, Eigen::Vector3d(0.1, -0.2, 2.5)}, {"lamp", 2, 0.9, 4, std::nullopt}}));
   ROOMWISE_MUST(home.add_region_finder({"finder", "f1nd", {"couch", "bed"}}));
   ROOMWISE_MUST(home.put_detections(1, 1, sample_look(1)));

@@ -217,7 +217,7 @@ Expected<void> LiveHome::forget_home() {
         ROOMWISE_RETURN_IF_ERROR(home.forget_learned_rooms());
         ROOMWISE_RETURN_IF_ERROR(home.owe_erasing());
         ROOMWISE_RETURN_IF_ERROR(home.replace_instances({}));
-        ROOMWISE_RETURN_IF_ERROR(home.replace_paper_objects({}));
+        ROOMWISE_RETURN_IF_ERROR(home.replace_confirmed_objects({}));
         ROOMWISE_RETURN_IF_ERROR(pipeline::store_object_claims(home, {}));
         return home.replace_rooms({});
       }));

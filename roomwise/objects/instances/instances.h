@@ -13,7 +13,7 @@
 #include "roomwise/geometry/oriented_box.h"
 #include "roomwise/geometry/pinhole_camera.h"
 #include "roomwise/geometry/rigid_transform.h"
-#include "roomwise/objects/detection/paper_objects.h"
+#include "roomwise/objects/detection/confirmed_objects.h"
 #include "roomwise/objects/detection/region_surface.h"
 
 // From a network's box to a spoken prompt, a type for each step:

@@ -347,7 +347,7 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
       count_motion(frames, summary);
       ROOMWISE_TRY(const auto instances, home.instances());
       summary.instances = instances.size();
-      ROOMWISE_TRY(const auto by_rules, home.paper_objects());
+      ROOMWISE_TRY(const auto by_rules, home.confirmed_objects());
       summary.objects = by_rules.size();
     }
     const auto timing = run.clock.measure("floor");

@@ -98,7 +98,7 @@ TEST_F(MapRecording, MapsAWalkIntoAHome) {
   // Every key-frame was seen by both networks; "studio couch" means bed.
   EXPECT_EQ(home.predictions(1)->size(), summary->keyframes);
   EXPECT_EQ(home.predictions(2)->size(), summary->keyframes);
-  ASSERT_EQ(summary->objects, home.paper_objects()->size());
+  ASSERT_EQ(summary->objects, home.confirmed_objects()->size());
   EXPECT_EQ(summary->instances, home.instances()->size());
   const auto looks = home.detections(1);
   ASSERT_OK(looks);
@@ -106,7 +106,7 @@ TEST_F(MapRecording, MapsAWalkIntoAHome) {
   EXPECT_EQ(looks->at(0).detections.at(0).label, "couch");
   EXPECT_GT(looks->at(0).detections.at(0).surface.points.size(), 20U);
   ASSERT_GT(summary->objects, 0U);
-  EXPECT_EQ(home.paper_objects()->front().name, "bed");
+  EXPECT_EQ(home.confirmed_objects()->front().name, "bed");
 }
 
 // The same pictures, by who takes the camera for another.
@@ -833,7 +833,7 @@ TEST_F(MapFurtherWalks, StandWhereTheFirstIsTakenOut) {
     EXPECT_EQ(home.keyframes()->front().pose.world_from_keyframe.translation,
               Eigen::Vector3d::Zero());
     EXPECT_EQ(stored_trajectory(home)->size(), static_cast<std::size_t>(kFrames));
-    EXPECT_FALSE(home.paper_objects()->empty()) << "what it shows is still there";
+    EXPECT_FALSE(home.confirmed_objects()->empty()) << "what it shows is still there";
   }
   SyntheticWalk first(kFrames);
   const auto summary = map(home_, first, 2);
@@ -852,7 +852,7 @@ TEST_F(MapFurtherWalks, AreForgottenAlthoughAPictureOfAnotherIsDamaged) {
                           "(SELECT max(keyframe_id) FROM keyframes)"));
   ASSERT_OK(forget_walk(home, 1));
   EXPECT_EQ(home.recordings()->size(), 1U);
-  EXPECT_FALSE(home.paper_objects()->empty()) << "by the other pictures";
+  EXPECT_FALSE(home.confirmed_objects()->empty()) << "by the other pictures";
 }
 
 TEST_F(MapRecording, RefusesToGoOnWithAnotherRecording) {

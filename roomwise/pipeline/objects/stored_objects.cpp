@@ -69,7 +69,7 @@ Expected<std::uint64_t> update_by_rules(home::Home& home, const objects::ObjectR
   for (std::size_t i = 0; i < keyframes.size(); ++i)
     views_of_component[keyframes[i].pose.component].push_back(views[i]);
   const std::map<home::KeyframeId, home::KeyframePose> poses = poses_by_id(keyframes);
-  std::vector<objects::PaperObject> found;
+  std::vector<objects::ConfirmedObject> found;
   for (const auto& [component, views_there] : views_of_component) {
     const auto there = objects::confirm_objects(
         views_there, rules, [&](std::uint64_t id) { return poses.at(id).world_from_keyframe; });
@@ -79,7 +79,7 @@ Expected<std::uint64_t> update_by_rules(home::Home& home, const objects::ObjectR
     for (const objects::KeyframeView& view : views) {
       ROOMWISE_RETURN_IF_ERROR(home.put_observations(view.keyframe_id, view.observations));
     }
-    return home.replace_paper_objects(found);
+    return home.replace_confirmed_objects(found);
   }));
   return found.size();
 }

@@ -41,8 +41,8 @@ Expected<std::vector<ShownObject>> shown_objects(const home::Home& home) {
   std::vector<ShownObject> shown;
   ROOMWISE_TRY(const auto finders, home.region_finders());
   if (finders.empty()) {
-    ROOMWISE_TRY(const auto confirmed, home.paper_objects());
-    for (const objects::PaperObject& object : confirmed) {
+    ROOMWISE_TRY(const auto confirmed, home.confirmed_objects());
+    for (const objects::ConfirmedObject& object : confirmed) {
       // Without depth at the centre, the place from which it was seen stands in.
       shown.push_back({object.name,
                        object.score,

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "roomwise/base/in_context.h"
-#include "roomwise/objects/detection/paper_objects.h"
+#include "roomwise/objects/detection/confirmed_objects.h"
 #include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"

@@ -11,7 +11,7 @@
 #include "roomwise/mapping/backend/map_solver.h"
 #include "roomwise/mapping/frontend/mapper.h"
 #include "roomwise/motion/measured_features.h"
-#include "roomwise/objects/detection/paper_objects.h"
+#include "roomwise/objects/detection/confirmed_objects.h"
 
 namespace roomwise::pipeline {
 

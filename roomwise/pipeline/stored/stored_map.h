@@ -12,7 +12,7 @@
 #include "roomwise/home/home.h"
 #include "roomwise/mapping/backend/map_refinement.h"
 #include "roomwise/mapping/backend/map_solver.h"
-#include "roomwise/objects/detection/paper_objects.h"
+#include "roomwise/objects/detection/confirmed_objects.h"
 #include "roomwise/pipeline/stored/lost_pictures.h"
 #include "roomwise/pipeline/stored/map_settings.h"
 #include "roomwise/recording/trajectory_file.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "roomwise/objects/detection/paper_objects.h"
+#include "roomwise/objects/detection/confirmed_objects.h"
 #include "roomwise/rooms/concepts/concepts.h"
 #include "roomwise/rooms/concepts/room_objects.h"
 #include "roomwise/rooms/recognition/room_classifier.h"

@@ -1,4 +1,4 @@
-#include "roomwise/objects/detection/paper_objects.h"
+#include "roomwise/objects/detection/confirmed_objects.h"
 
 #include <algorithm>
 #include <cmath>
@@ -77,10 +77,10 @@ std::vector<Run> confirmed_runs(std::span<const std::optional<double>> scores,
 }
 
 // One object from one run: the key-frame with the highest score, the first where several have it.
-PaperObject object_of_run(const Run& run, const std::string& name,
-                          std::span<const std::optional<double>> scores,
-                          std::span<const KeyframeView> views) {
-  PaperObject object;
+ConfirmedObject object_of_run(const Run& run, const std::string& name,
+                              std::span<const std::optional<double>> scores,
+                              std::span<const KeyframeView> views) {
+  ConfirmedObject object;
   object.name = name;
   for (std::size_t i = run.first; i <= run.last; ++i) {
     if (!scores[i]) continue;
@@ -95,16 +95,16 @@ PaperObject object_of_run(const Run& run, const std::string& name,
 
 // Objects of one name that stand closer than the distance become one, which keeps the place of the
 // better seen. Those without a place stay apart: nothing says that they are the same.
-std::vector<PaperObject> merge_close(
-    std::vector<PaperObject> objects, double distance_m,
+std::vector<ConfirmedObject> merge_close(
+    std::vector<ConfirmedObject> objects, double distance_m,
     const std::function<geometry::RigidTransform(std::uint64_t)>& world_from_keyframe) {
-  std::ranges::stable_sort(objects, std::ranges::greater{}, &PaperObject::score);
-  const auto place = [&](const PaperObject& object) -> Eigen::Vector3d {
+  std::ranges::stable_sort(objects, std::ranges::greater{}, &ConfirmedObject::score);
+  const auto place = [&](const ConfirmedObject& object) -> Eigen::Vector3d {
     return world_from_keyframe(object.keyframe_id) * *object.position_keyframe;
   };
-  std::vector<PaperObject> merged;
-  for (const PaperObject& object : objects) {
-    const auto same = std::ranges::find_if(merged, [&](const PaperObject& other) {
+  std::vector<ConfirmedObject> merged;
+  for (const ConfirmedObject& object : objects) {
+    const auto same = std::ranges::find_if(merged, [&](const ConfirmedObject& other) {
       return object.position_keyframe && other.position_keyframe &&
              (place(object) - place(other)).norm() < distance_m;
     });
@@ -155,24 +155,24 @@ Expected<void> ObjectRules::validate() const {
   return {};
 }
 
-std::vector<PaperObject> confirm_objects(
+std::vector<ConfirmedObject> confirm_objects(
     std::span<const KeyframeView> views, const ObjectRules& rules,
     const std::function<geometry::RigidTransform(std::uint64_t keyframe_id)>& world_from_keyframe) {
   std::set<std::string> names;
   for (const KeyframeView& view : views) {
     for (const ObjectScore& observation : view.observations) names.insert(observation.object);
   }
-  std::vector<PaperObject> objects;
+  std::vector<ConfirmedObject> objects;
   for (const std::string& name : names) {
     const auto scores = scores_along(views, name, rules.min_score);
-    std::vector<PaperObject> of_name;
+    std::vector<ConfirmedObject> of_name;
     for (const Run& run : confirmed_runs(scores, views, rules)) {
       of_name.push_back(object_of_run(run, name, scores, views));
     }
     of_name = merge_close(std::move(of_name), rules.same_object_distance_m, world_from_keyframe);
     objects.insert(objects.end(), of_name.begin(), of_name.end());
   }
-  std::ranges::sort(objects, {}, [](const PaperObject& object) {
+  std::ranges::sort(objects, {}, [](const ConfirmedObject& object) {
     return std::tie(object.name, object.keyframe_id);
   });
   return objects;

@@ -1,4 +1,4 @@
-#include "roomwise/objects/detection/paper_objects.h"
+#include "roomwise/objects/detection/confirmed_objects.h"
 
 #include <gmock/gmock.h>
 
@@ -59,7 +59,7 @@ class ConfirmObjectsTest : public ::testing::Test {
       views_.push_back(view);
     }
   }
-  std::vector<PaperObject> confirm(const ObjectRules& rules = {}) {
+  std::vector<ConfirmedObject> confirm(const ObjectRules& rules = {}) {
     return confirm_objects(views_, rules, [&](std::uint64_t id) {
       return id == moved_keyframe_ ? world_from_moved_ : RigidTransform::identity();
     });

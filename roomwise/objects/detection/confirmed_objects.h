@@ -57,9 +57,11 @@ struct ObjectRules {
   [[nodiscard]] Expected<void> validate() const;
 };
 
-// An object of the home. Its place is kept relative to the key-frame that saw it best, so that it
-// follows when the key-frame's pose changes: world_from_keyframe * position_keyframe.
-struct PaperObject {
+// An object of the home that the paper's three rules confirmed (ObjectRules), by whole pictures;
+// the things that regions of pictures show are Instances (instances.h). Its place is kept relative
+// to the key-frame that saw it best, so that it follows when the key-frame's pose changes:
+// world_from_keyframe * position_keyframe.
+struct ConfirmedObject {
   std::string name;
   std::uint64_t keyframe_id = 0;
   double score = 0;
@@ -71,7 +73,7 @@ struct PaperObject {
 
 // The paper's three rules over a whole recording. world_from_keyframe gives the optimised pose of a
 // key-frame. By name, then by key-frame.
-[[nodiscard]] std::vector<PaperObject> confirm_objects(
+[[nodiscard]] std::vector<ConfirmedObject> confirm_objects(
     std::span<const KeyframeView> views, const ObjectRules& rules,
     const std::function<geometry::RigidTransform(std::uint64_t keyframe_id)>& world_from_keyframe);
 
