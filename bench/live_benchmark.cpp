@@ -130,9 +130,9 @@ class BenchDevice {
           ++lived.walks;
         }
       } else if (const auto* prompt = std::get_if<service::PromptMessage>(&read)) {
-        if (prompt->key == "guide") {
+        if (prompt->replace_key == "guide") {
           ++lived.prompts;
-          is_led_ = is_led_ && !ends_walk(prompt->message);
+          is_led_ = is_led_ && !ends_walk(prompt->message_id);
         }
         const auto question = asked.find(prompt->answer_to.value_or(-1));
         if (question == asked.end()) continue;

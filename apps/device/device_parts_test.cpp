@@ -240,7 +240,7 @@ class HeldSpeaker final : public speech::Speaker {
 
 guide::Prompt answer(const std::string& key, const std::string& text, TimestampNs valid_until_ns) {
   guide::Prompt prompt;
-  prompt.key = key;
+  prompt.replace_key = key;
   prompt.text = text;
   prompt.valid_until_ns = valid_until_ns;
   return prompt;
@@ -328,8 +328,8 @@ TEST(DeviceVoiceTest, SpeaksByTheRules) {
   wording.catalogue = &catalogue;
   DeviceVoice voice(std::make_unique<TextSpeaker>(heard), wording);
   service::PromptMessage message;
-  message.key = "room";
-  message.message = "room.is";
+  message.replace_key = "room";
+  message.message_id = "room.is";
   message.text = "You are in the kitchen.";
   message.language = "en";
   message.priority = "answer";

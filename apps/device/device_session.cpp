@@ -139,7 +139,7 @@ void DeviceSession::lose(const std::string& why, TimestampNs now_ns) {
   if (!connection_) return;
   std::cerr << why << '\n';
   connection_.reset();
-  sees_places_ = false;
+  can_localize_ = false;
   if (led_.by && asked_.contains(led_.by->id)) led_.is_unanswered = true;
   asked_.clear();        // no answers will come
   is_teaching_ = false;  // the computer forgets what was shown
@@ -177,8 +177,8 @@ void DeviceSession::take(const service::HomeMessage& message, TimestampNs now_ns
     goals_ = goals_of(*welcome);
     role_ = welcome->role;
     // From now on, if it did not before: a computer that has just begun makes its map ready.
-    const bool begins_to_see = welcome->sees_places && !std::exchange(sees_places_, true);
-    sees_places_ = welcome->sees_places;
+    const bool begins_to_see = welcome->can_localize && !std::exchange(can_localize_, true);
+    can_localize_ = welcome->can_localize;
     if (begins_to_see && led_.again_from_ns) led_.again_from_ns = now_ns;
   } else if (const auto* arrived = std::get_if<service::FrameArrived>(&message)) {
     link_.acknowledged(arrived->t_ms, steady_s(now_ns));
@@ -202,7 +202,7 @@ void DeviceSession::take_prompt(const service::PromptMessage& message, Timestamp
   }
   watch_guide(message);
   if (message.answer_to) asked_.erase(*message.answer_to);
-  watch_teaching(message.message);
+  watch_teaching(message.message_id);
   auto prompt = service::prompt_of(message);
   if (!prompt) {
     std::cerr << prompt.error().message << '\n';
@@ -222,21 +222,21 @@ void DeviceSession::watch_teaching(const std::string& message) {
 
 // What somebody is led by: a question that the guide itself answers.
 void DeviceSession::watch_guide(const service::PromptMessage& message) {
-  const bool is_of_guide = message.key == "guide";
+  const bool is_of_guide = message.replace_key == "guide";
   const auto asked = message.answer_to ? asked_.find(*message.answer_to) : asked_.end();
   if (asked != asked_.end() && asked->second.question != service::Question::kGuide) {
     const bool asks = asks_to_be_led(asked->second.question);
-    if (is_of_guide && (asks || begins_guidance(message.message))) {
+    if (is_of_guide && (asks || begins_guidance(message.message_id))) {
       led_ = {.by = asked->second};
     } else if (asks) {
       lead_as_before(asked->second);
     }
   }
-  if (message.message == "guide.paused") led_.is_paused = true;
-  if (message.message == "guide.resumed") led_.is_paused = false;
+  if (message.message_id == "guide.paused") led_.is_paused = true;
+  if (message.message_id == "guide.resumed") led_.is_paused = false;
   // A computer that came back says so of whom it has forgotten: they are still to be led on.
-  const bool has_forgotten = led_.again_from_ns && message.message == "guide.not_running";
-  if (ends_guidance(message.message) && !has_forgotten) led_.by.reset();
+  const bool has_forgotten = led_.again_from_ns && message.message_id == "guide.not_running";
+  if (ends_guidance(message.message_id) && !has_forgotten) led_.by.reset();
   if (!led_.by) led_ = {};
 }
 
@@ -246,7 +246,7 @@ void DeviceSession::lead_as_before(const service::Ask& asked) {
 }
 
 void DeviceSession::lead_on(const service::Seen& seen, TimestampNs now_ns) {
-  const bool has_waited = led_.again_from_ns && sees_places_ &&
+  const bool has_waited = led_.again_from_ns && can_localize_ &&
                           seconds_between(*led_.again_from_ns, now_ns) > kPlaced_s;
   if (seen.position || has_waited) lead_again(now_ns);
 }
@@ -430,7 +430,7 @@ void DeviceSession::tell_guide(service::GuideWish wish, TimestampNs now_ns) {
   if (wish == GuideWish::kPause) led_.is_paused = true;
   if (wish == GuideWish::kResume) {
     led_.is_paused = false;
-    const bool can_be_led = connection_ && (sees_places_ || !parts_.camera);
+    const bool can_be_led = connection_ && (can_localize_ || !parts_.camera);
     if (can_be_led && led_.by && led_.again_from_ns) return lead_again(now_ns);
   }
   service::Ask ask;

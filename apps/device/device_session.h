@@ -91,10 +91,10 @@ class DeviceSession : private Interruption {
     bool is_unanswered = false;  // when the connection was lost nobody had said whether it is known
   };
   Led led_;
-  Led led_before_;            // holds again where the goal that was asked for last is not known
-  bool sees_places_ = false;  // the computer
-  std::string role_;          // of this device
-  std::string recording_;     // its last state
+  Led led_before_;             // holds again where the goal that was asked for last is not known
+  bool can_localize_ = false;  // the computer
+  std::string role_;           // of this device
+  std::string recording_;      // its last state
   std::uint64_t prompts_ = 0;
   bool camera_failed_ = false;
   bool buttons_lost_ = false;

@@ -191,8 +191,8 @@ class AnsweringHome final : public service::SocketHandler {
              const std::string& message = "room.is") {
       service::PromptMessage prompt;
       prompt.answer_to = ask.id;
-      prompt.key = key;
-      prompt.message = message;
+      prompt.replace_key = key;
+      prompt.message_id = message;
       prompt.text = text;
       prompt.language = "en";
       prompt.priority = "answer";
@@ -393,8 +393,8 @@ class LedSessionTest : public DeviceSessionTest {
     type("g bed\n");
     EXPECT_TRUE(speaker_->hears("To the bed."));
     service::PromptMessage end;
-    end.key = "guide";
-    end.message = message;
+    end.replace_key = "guide";
+    end.message_id = message;
     end.text = "That is all.";
     end.language = "en";
     end.priority = "answer";

@@ -148,7 +148,7 @@ class Walk {
       if (events.ended) {
         for (const Instruction& each : understand_leg(*events.ended, wording_))
           legs.push_back(each);
-        record_.says_there = events.ended->message == "route.arrived";
+        record_.says_there = events.ended->message_id == "route.arrived";
         free_s = now_s + 0.5;
       }
       if (!voice_.is_silent() || walker_.idle_s() < 0.5 || now_s < free_s) continue;
@@ -204,11 +204,11 @@ class Walk {
   }
 
   void begin(const Voice::Events& events, double now_s, const std::optional<Vector2d>& next) {
-    HeardPrompt heard{now_s, events.begun->message, events.begun->text, walker_.place()};
+    HeardPrompt heard{now_s, events.begun->message_id, events.begun->text, walker_.place()};
     heard.is_late = events.waited_s > 1;
     if (next) heard.is_wrong = asks_wrongly(understand(*events.begun, wording_), walker_, *next);
-    if (heard.message == "guide.off") ++record_.deviations;
-    if (heard.message.starts_with("guide.lost")) ++record_.lost;
+    if (heard.message_id == "guide.off") ++record_.deviations;
+    if (heard.message_id.starts_with("guide.lost")) ++record_.lost;
     record_.heard.push_back(std::move(heard));
   }
 
@@ -283,8 +283,9 @@ Expected<void> TrialOptions::validate() const {
 }
 
 int GuidedWalk::turns() const {
-  return static_cast<int>(std::ranges::count_if(
-      heard, [](const HeardPrompt& prompt) { return prompt.message.starts_with("guide.turn_"); }));
+  return static_cast<int>(std::ranges::count_if(heard, [](const HeardPrompt& prompt) {
+    return prompt.message_id.starts_with("guide.turn_");
+  }));
 }
 int GuidedWalk::late() const {
   return static_cast<int>(std::ranges::count_if(heard, &HeardPrompt::is_late));

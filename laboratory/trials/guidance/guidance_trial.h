@@ -45,7 +45,7 @@ struct TrialOptions {
 
 struct HeardPrompt {
   double at_s = 0;  // began to be spoken
-  std::string message, text;
+  std::string message_id, text;
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
   bool is_late = false;   // for more than a second it could not be begun
   bool is_wrong = false;  // asked for a way that the true place does not need, by 45 degrees

@@ -207,7 +207,7 @@ class ScriptedLeader final : public Leader {
  public:
   struct Word {
     double at_s;
-    std::string message;
+    std::string message_id;
     guide::Values values = {};
   };
   explicit ScriptedLeader(std::vector<Word> words) : words_(std::move(words)) {}
@@ -216,8 +216,9 @@ class ScriptedLeader final : public Leader {
                                                                 const SimulatedWalker&) override {
     std::vector<guide::Prompt> prompts;
     for (; said_ < words_.size() && words_[said_].at_s <= now_s; ++said_) {
-      prompts.push_back(make_prompt(wording_, "guide", words_[said_].message, words_[said_].values,
-                                    guide::Confidence::kSure, trial_ns(now_s + 2)));
+      prompts.push_back(make_prompt(wording_, "guide", words_[said_].message_id,
+                                    words_[said_].values, guide::Confidence::kSure,
+                                    trial_ns(now_s + 2)));
     }
     return prompts;
   }

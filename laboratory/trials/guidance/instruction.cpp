@@ -53,7 +53,7 @@ double turn_of(std::string_view message, double hour) {
 }  // namespace
 
 Instruction understand(const guide::Prompt& prompt, const guide::Wording& wording) {
-  const std::string_view message = prompt.message;
+  const std::string_view message = prompt.message_id;
   const std::vector<double> numbers = numbers_in(prompt.text);
   const auto number = [&](std::size_t i) { return i < numbers.size() ? numbers[i] : 0; };
   const auto is = [&](std::string_view start) { return message.starts_with(start); };
@@ -98,7 +98,7 @@ std::vector<Instruction> understand_leg(const guide::Prompt& prompt,
       {"route.left", 90},        {"route.right", -90},        {"route.around", 180},
       {"route.slight_left", 45}, {"route.slight_right", -45}, {"route.straight", 0}};
   const std::vector<double> numbers = numbers_in(prompt.text);
-  if (!prompt.message.starts_with("route.step") || numbers.empty()) return {};
+  if (!prompt.message_id.starts_with("route.step") || numbers.empty()) return {};
   std::vector<Instruction> leg;
   for (const auto& [message, degrees] : turns) {
     const std::string start = wording.phrases().text(message) + ",";

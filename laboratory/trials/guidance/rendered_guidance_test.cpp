@@ -59,8 +59,8 @@ std::string text_of(const service::HomeMessage& message) {
 service::PromptMessage prompt(const std::string& message, std::optional<std::int64_t> answer_to) {
   service::PromptMessage said;
   said.answer_to = answer_to;
-  said.key = "guide";
-  said.message = message;
+  said.replace_key = "guide";
+  said.message_id = message;
   said.text = message;
   said.language = "en";
   said.priority = "answer";
@@ -162,7 +162,7 @@ TEST_F(LockStepTest, AnAnswerIsAllThatCameBeforeThePictureWasSeen) {
   ASSERT_TRUE(answer->place);
   EXPECT_EQ(answer->place->heading_degrees, 45);
   ASSERT_THAT(answer->prompts, SizeIs(1));
-  EXPECT_EQ(answer->prompts[0].message, "guide.stop");
+  EXPECT_EQ(answer->prompts[0].message_id, "guide.stop");
   EXPECT_THAT(answer->failure, IsEmpty());
 }
 
@@ -199,7 +199,7 @@ TEST_F(LockStepTest, AQuestionGetsItsOwnAnswer) {
   const auto answer = walker.ask({});
   ASSERT_OK(answer);
   ASSERT_THAT(*answer, SizeIs(1));
-  EXPECT_EQ((*answer)[0].message, "guide.far");
+  EXPECT_EQ((*answer)[0].message_id, "guide.far");
 }
 
 TEST_F(LockStepTest, AComputerThatIsGoneSilentOrRefusesIsAnError) {
@@ -281,7 +281,7 @@ class ServerLeaderTest : public ChestCameraTest {
       const auto said = leader.after_step(now_s, walker_);
       EXPECT_OK(said);
       for (const auto& one : *said) {
-        heard.push_back(fmt::format("{:.0f} {}", 100 * now_s, one.message));
+        heard.push_back(fmt::format("{:.0f} {}", 100 * now_s, one.message_id));
       }
     }
     return heard;

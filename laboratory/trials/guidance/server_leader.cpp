@@ -153,9 +153,9 @@ Expected<std::vector<guide::Prompt>> ServerLeader::request(guide::GuidanceReques
 // A device knows the end by what is said.
 void ServerLeader::note_end(const std::vector<guide::Prompt>& prompts) {
   for (const guide::Prompt& prompt : prompts) {
-    says_there_ = says_there_ || prompt.message.starts_with("guide.there_");
-    is_over_ = is_over_ || says_there_ || prompt.message == "guide.near_end" ||
-               prompt.message.starts_with("guide.ended");
+    says_there_ = says_there_ || prompt.message_id.starts_with("guide.there_");
+    is_over_ = is_over_ || says_there_ || prompt.message_id == "guide.near_end" ||
+               prompt.message_id.starts_with("guide.ended");
   }
 }
 

@@ -26,8 +26,8 @@ TEST_F(RoomPromptsTest, ARoomIsSaidAsSurelyAsItIsKnown) {
   const Prompt sure =
       room_prompt(decision(rooms::Verdict::kRoom, 0.97), TurnHint::kLeft, english_, kNow);
   EXPECT_EQ(sure.text, "You are in the kitchen.");
-  EXPECT_EQ(sure.message, "room.is");
-  EXPECT_EQ(sure.key, "room");
+  EXPECT_EQ(sure.message_id, "room.is");
+  EXPECT_EQ(sure.replace_key, "room");
   EXPECT_EQ(sure.language, "en");
   EXPECT_EQ(sure.priority, Priority::kAnswer);
   EXPECT_EQ(sure.confidence, Confidence::kSure);
@@ -80,7 +80,7 @@ TEST_F(RoomPromptsTest, OnlySureRoomsAreCalledOut) {
   ASSERT_TRUE(entered);
   EXPECT_EQ(entered->text, "Now in the kitchen.");
   EXPECT_EQ(entered->priority, Priority::kCallout);
-  EXPECT_EQ(entered->key, "room");
+  EXPECT_EQ(entered->replace_key, "room");
   EXPECT_FALSE(entered_prompt(decision(rooms::Verdict::kRoom, 0.8), english_, kNow));
   EXPECT_FALSE(entered_prompt(decision(rooms::Verdict::kNotSure, 0.95), english_, kNow));
   EXPECT_FALSE(entered_prompt(decision(rooms::Verdict::kNoneOfThem, 1), english_, kNow));

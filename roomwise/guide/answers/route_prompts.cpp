@@ -39,7 +39,7 @@ std::vector<Prompt> route_prompts(const Route& route, const Pose& pose, const No
     const Leg& leg = legs[i];
     if (leg.stairs) {
       const Phrase phrase = stairs_phrase(*leg.stairs, wording.phrases());
-      prompts.push_back(made(i, phrase.message, phrase.values));
+      prompts.push_back(made(i, phrase.message_id, phrase.values));
       heading_rad = leg.stairs->end_heading_rad();
       continue;
     }

@@ -6,7 +6,7 @@ namespace roomwise::guide {
 namespace {
 
 struct Seen {
-  std::string message;
+  std::string message_id;
   Values values = {};
 };
 
@@ -40,7 +40,7 @@ std::optional<Prompt> seen_prompt(std::string key, const std::optional<CalendarT
   if (!seen || !today) return std::nullopt;
   const auto what = seen_on(*seen, *today, wording.phrases());
   if (!what) return std::nullopt;
-  Prompt prompt = make_prompt(wording, std::move(key), what->message, what->values,
+  Prompt prompt = make_prompt(wording, std::move(key), what->message_id, what->values,
                               Confidence::kSure, after(now_ns, kHomeValid_s), std::move(because));
   prompt.sound = Sound::kNone;
   return prompt;

@@ -116,10 +116,10 @@ TEST_F(ThingPromptsTest, WithoutAPoseTheRoomIsTold) {
 TEST_F(ThingPromptsTest, TheAnswersPartsHaveKeysAndTimesOneAfterTheOther) {
   const auto prompts = around_prompts(standing_, things_, english_, kNow);
   ASSERT_EQ(prompts.size(), 2u);
-  EXPECT_EQ(prompts[0].key, "around");
+  EXPECT_EQ(prompts[0].replace_key, "around");
   EXPECT_EQ(prompts[0].sound, Sound::kAnswer);
   EXPECT_EQ(prompts[0].valid_until_ns, kNow + 2 * kSecond);
-  EXPECT_EQ(prompts[1].key, "around/2");
+  EXPECT_EQ(prompts[1].replace_key, "around/2");
   EXPECT_EQ(prompts[1].sound, Sound::kNone);
   EXPECT_EQ(prompts[1].valid_until_ns, kNow + 6 * kSecond);
 }
@@ -127,7 +127,7 @@ TEST_F(ThingPromptsTest, TheAnswersPartsHaveKeysAndTimesOneAfterTheOther) {
 TEST_F(ThingPromptsTest, WhereIsInTheSameRoomByDirection) {
   const auto prompts = where("microwave", standing_);
   EXPECT_THAT(texts(prompts), ElementsAre("The microwave is at 12 o'clock, 3 steps."));
-  EXPECT_EQ(prompts[0].key, "thing microwave");
+  EXPECT_EQ(prompts[0].replace_key, "thing microwave");
   EXPECT_EQ(prompts[0].confidence, Confidence::kSure);
   EXPECT_EQ(prompts[0].valid_until_ns, kNow + 2 * kSecond);
   things_.push_back(at("toaster", 5, 4.2, "kitchen"));
@@ -155,7 +155,7 @@ TEST_F(ThingPromptsTest, SeveralAreTheNearestAndTheirNumber) {
   const auto prompts = where("bed", standing_);
   EXPECT_THAT(texts(prompts), ElementsAre("The bed is in the pantry, the next room.",
                                           "I know 3 beds. This was the nearest."));
-  EXPECT_EQ(prompts[1].key, "thing bed/count");
+  EXPECT_EQ(prompts[1].replace_key, "thing bed/count");
   EXPECT_THAT(texts(where("bed", {})), ElementsAre("The bed is in the bedroom.", "I know 3 beds."));
 }
 
@@ -215,7 +215,7 @@ TEST_F(ThingPromptsTest, WhenItWasSeenComesBeforeHowManyThereAre) {
                                      CalendarTime{2026, 11, 28, 9});
   EXPECT_THAT(texts(prompts), ElementsAre("The cup is probably in the bedroom.", "Seen yesterday.",
                                           "I know 2 cups."));
-  EXPECT_EQ(prompts[1].key, "thing cup/seen");
+  EXPECT_EQ(prompts[1].replace_key, "thing cup/seen");
   EXPECT_EQ(prompts[1].sound, Sound::kNone);
 }
 

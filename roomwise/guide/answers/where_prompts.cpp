@@ -53,7 +53,7 @@ std::vector<Candidate> nearest_first(const std::string& name, const UserLocation
 
 // What to say of a thing, and how long that holds.
 struct Place {
-  std::string message;
+  std::string message_id;
   Values values;
   double valid_s = kHomeValid_s;
   bool is_sure = true;
@@ -62,11 +62,11 @@ struct Place {
 Place place_of(const Candidate& candidate, const Wording& wording,
                const std::optional<CalendarTime>& today) {
   const KnownThing& thing = *candidate.thing;
-  Place place{.message = {}, .values = {{"thing", guide::thing(thing.name)}}};
+  Place place{.message_id = {}, .values = {{"thing", guide::thing(thing.name)}}};
   place.is_sure = thing.is_sure(today);
   if (candidate.is_here() && candidate.bearing) {
     const Bearing& bearing = *candidate.bearing;
-    place.message = bearing.is_close() ? "where.close" : "where.direction";
+    place.message_id = bearing.is_close() ? "where.close" : "where.direction";
     place.values["hour"] = fmt::format("{}", bearing.hour);
     place.values["distance"] = wording.distance(bearing.distance_m);
     place.valid_s = kDirectionValid_s;
@@ -74,19 +74,19 @@ Place place_of(const Candidate& candidate, const Wording& wording,
     return place;
   }
   if (!thing.room) {
-    place.message = "where.no_room";
+    place.message_id = "where.no_room";
     return place;
   }
   place.values["room"] = room(*thing.room);
   const std::size_t rooms = candidate.way.size();
-  if (rooms == 1) place.message = "where.here";
-  if (rooms == 2) place.message = "where.next_room";
+  if (rooms == 1) place.message_id = "where.here";
+  if (rooms == 2) place.message_id = "where.next_room";
   if (rooms > 2 && rooms - 2 <= kMaxRoomsToName) {
-    place.message = "where.through";
+    place.message_id = "where.through";
     place.values["via"] = room_list({candidate.way.begin() + 1, candidate.way.end() - 1});
   }
-  if (place.message.empty()) {
-    place.message = "where.room";
+  if (place.message_id.empty()) {
+    place.message_id = "where.room";
   } else {
     place.valid_s = kRoomValid_s;  // seen from this room
   }
@@ -187,15 +187,15 @@ std::vector<Prompt> where_prompts(const std::string& asked, const UserLocation& 
   const auto candidates = nearest_first(*name, location, things, doorways);
   const Candidate& nearest = candidates.front();
   Place place = place_of(nearest, wording, today);
-  const bool has_variant = place.message != "where.no_room";
+  const bool has_variant = place.message_id != "where.no_room";
   const Confidence confidence = !has_variant    ? Confidence::kUnsure
                                 : place.is_sure ? Confidence::kSure
                                                 : Confidence::kProbable;
-  if (confidence == Confidence::kProbable) place.message += "_probable";
+  if (confidence == Confidence::kProbable) place.message_id += "_probable";
   const std::string because =
       fmt::format("the map has {} of this name; the probability that this one is there is {:.2f}",
                   candidates.size(), nearest.thing->probability_at(today));
-  std::vector<Prompt> prompts{make_prompt(wording, key_of(*name), place.message, place.values,
+  std::vector<Prompt> prompts{make_prompt(wording, key_of(*name), place.message_id, place.values,
                                           confidence, after(now_ns, place.valid_s), because)};
   if (auto surface = surface_part(*nearest.thing, things, wording, now_ns)) {
     prompts.push_back(*std::move(surface));

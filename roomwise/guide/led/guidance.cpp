@@ -85,7 +85,7 @@ bool Guidance::walks_past_end(const Pose& pose) const {
 // ---- saying ----
 
 Prompt Guidance::say(const Phrase& phrase, Confidence confidence, double valid_s) {
-  Prompt prompt = make_prompt(wording_, "guide", phrase.message, phrase.values, confidence,
+  Prompt prompt = make_prompt(wording_, "guide", phrase.message_id, phrase.values, confidence,
                               after(now_ns(), valid_s),
                               fmt::format("guidance, {:.1f} m planned", way_.planned_m()));
   if (confidence == Confidence::kSure) prompt.sound = Sound::kNone;
@@ -359,7 +359,7 @@ std::optional<Prompt> Guidance::announce(const Pose& pose) {
   if (said_.what_comes_next || left_m < options.announce_to_m) return std::nullopt;
   const auto phrase = what_comes_next(pose);
   if (!phrase) return std::nullopt;
-  const double spoken_s = speaking_s(wording_.phrases().text(phrase->message, phrase->values));
+  const double spoken_s = speaking_s(wording_.phrases().text(phrase->message_id, phrase->values));
   // Who walks fast hears of it from farther away: so that as much is left when it has been heard.
   const double goes_on_m = left_m - track_.left_when_heard_m(left_m, spoken_s);
   if (left_m > std::max(options.announce_from_m, kSmallStep_m + goes_on_m)) return std::nullopt;

@@ -200,7 +200,7 @@ TEST_F(GuidanceTest, TheNextActionIsAnnouncedOneAndAHalfToThreeMetresBefore) {
   for (int i = 0; i < 60; ++i) {
     const double left_m = layout_.doorways()[0].middle_gravity.x() - place_.x();
     for (const Prompt& prompt : go(0.2, 0.6)) {
-      if (!prompt.message.starts_with("guide.soon")) continue;
+      if (!prompt.message_id.starts_with("guide.soon")) continue;
       EXPECT_GE(left_m, 1.5);
       EXPECT_LE(left_m, 3.0 + 0.12);
       return;
@@ -216,7 +216,7 @@ TEST_F(GuidanceTest, ATurnThatIsTooNearToBeActedOnIsToldWhereItIs) {
   ASSERT_EQ(guidance_->state(), State::kWalking);
   while (guidance_->state() == State::kWalking && place_.x() < 7) {
     for (const Prompt& prompt : go(0.2, 0.6)) {
-      EXPECT_THAT(prompt.message, ::testing::Not(StartsWith("guide.soon"))) << prompt.text;
+      EXPECT_THAT(prompt.message_id, ::testing::Not(StartsWith("guide.soon"))) << prompt.text;
     }
   }
   EXPECT_EQ(guidance_->state(), State::kCorner);
@@ -236,7 +236,7 @@ TEST_F(GuidanceTest, ATurnThatWasAnnouncedIsNotSaidAgainToWhoMakesIt) {
       std::remainder(std::atan2(towards.y(), towards.x()) - heading_rad_, 2 * kPi);
   const auto said = go(3, 0, turning / 3);
   for (const Prompt& prompt : said) {
-    EXPECT_THAT(prompt.message, ::testing::Not(StartsWith("guide.turn"))) << prompt.text;
+    EXPECT_THAT(prompt.message_id, ::testing::Not(StartsWith("guide.turn"))) << prompt.text;
   }
   EXPECT_THAT(hear(2), ElementsAre(StartsWith("Straight on")));
 }
@@ -399,7 +399,7 @@ TEST_F(GuidanceTest, WhoWalksFastHearsOfWhatComesFromFartherAway) {
     while (guidance_->state() == State::kWalking && place_.x() < 12) {
       const double now_left_m = 12.5 - place_.x();
       for (const Prompt& prompt : go(0.2, speed_m_s)) {
-        if (prompt.message == "guide.soon_goal") left_m.push_back(now_left_m);
+        if (prompt.message_id == "guide.soon_goal") left_m.push_back(now_left_m);
       }
     }
   }
@@ -418,7 +418,7 @@ TEST_F(GuidanceTest, StopsBeforeWhatStandsInTheWayAndLeadsAroundIt) {
   obstacle_m_.reset();
   const auto then = go(4);
   ASSERT_FALSE(then.empty());
-  EXPECT_THAT(then[0].message,
+  EXPECT_THAT(then[0].message_id,
               AnyOf(StartsWith("guide.turn_hour_"), "guide.little_left", "guide.little_right"));
 }
 
@@ -453,7 +453,7 @@ class PastATable : public GuidanceTest {
     sees.pose = Pose{{4.3, 1.6}, heading_rad, 0.02};
     sees.obstacles = {obstacle};
     const auto prompt = guidance_->update(sees);
-    return prompt ? prompt->message : "";
+    return prompt ? prompt->message_id : "";
   }
 };
 
@@ -584,7 +584,7 @@ TEST_F(GuidanceTest, WhatStandsWhereTheMapNeverLookedIsAnObstacle) {
   sees.obstacles = {Vector2d(4.15, 0.35)};
   const auto prompt = guidance_->update(sees);
   ASSERT_TRUE(prompt);
-  EXPECT_EQ(prompt->message, "guide.stop_obstacle_right");
+  EXPECT_EQ(prompt->message_id, "guide.stop_obstacle_right");
 }
 
 // Only what they are led up to is no obstacle; a spot is stood on.
@@ -658,8 +658,8 @@ TEST_F(GuidanceTest, WhatNeverGoesIsTriedBesideAndThenTheRestIsTold) {
     obstacle_m_ = 0.8;
     for (const Prompt& prompt : go(0.4)) {
       said.push_back(prompt.text);
-      if (prompt.message.starts_with("guide.little_left")) heading_rad_ += 0.2;
-      if (prompt.message.starts_with("guide.little_right")) heading_rad_ -= 0.2;
+      if (prompt.message_id.starts_with("guide.little_left")) heading_rad_ += 0.2;
+      if (prompt.message_id.starts_with("guide.little_right")) heading_rad_ -= 0.2;
     }
   }
   EXPECT_EQ(guidance_->state(), State::kNearest) << ::testing::PrintToString(said);
@@ -1025,7 +1025,7 @@ TEST_F(GuidanceTest, WhatIsLeftIsProbablyThereWhereThePlaceOrTheGoalIsNotSure) {
     sigma_m_ = is_place ? 0.45 : 0.02;
     lead_to(bed, {1.6, 3.45}, 0);
     const auto said = go(12);
-    const auto left = std::ranges::find(said, "where.direction_probable", &Prompt::message);
+    const auto left = std::ranges::find(said, "where.direction_probable", &Prompt::message_id);
     ASSERT_NE(left, said.end()) << ::testing::PrintToString(texts(said));
     EXPECT_THAT(left->text, StartsWith("The bed is probably at 12 o'clock, "));
     EXPECT_EQ(left->confidence, Confidence::kProbable);
@@ -1247,7 +1247,7 @@ TEST_F(GuidanceTest, RulesHoldForAnythingThatHappens) {
         prompt = guidance_->update(walker());
       }
       if (!prompt) continue;
-      ++heard[prompt->message];
+      ++heard[prompt->message_id];
       SCOPED_TRACE(fmt::format("seed {}, {} s: {}", seed, tick / 5, prompt->text));
       // One at a time, and each may be begun.
       const bool breaks_off = prompt->priority == Priority::kHazard;
@@ -1257,12 +1257,12 @@ TEST_F(GuidanceTest, RulesHoldForAnythingThatHappens) {
       // Never a direction of one whose place is not known; but a step after a turn from where it
       // was, which sounds unsure.
       const bool is_unseen_step =
-          prompt->message == "guide.walk" && prompt->confidence == Confidence::kProbable;
-      const bool is_direction = prompt->message.starts_with("guide.turn") ||
-                                prompt->message.starts_with("guide.little") ||
-                                prompt->message.starts_with("guide.walk") ||
-                                prompt->message.starts_with("guide.soon") ||
-                                prompt->message.starts_with("guide.place");
+          prompt->message_id == "guide.walk" && prompt->confidence == Confidence::kProbable;
+      const bool is_direction = prompt->message_id.starts_with("guide.turn") ||
+                                prompt->message_id.starts_with("guide.little") ||
+                                prompt->message_id.starts_with("guide.walk") ||
+                                prompt->message_id.starts_with("guide.soon") ||
+                                prompt->message_id.starts_with("guide.place");
       EXPECT_TRUE(!is_direction || is_unseen_step || seconds_between(seen_ns, now_ns_) < 1.5);
       // Never two turns in one sentence.
       std::size_t turns = 0;
@@ -1283,8 +1283,8 @@ TEST_F(GuidanceTest, RulesHoldForAnythingThatHappens) {
 }
 
 TEST(TurnPhraseTest, NamesTheSideOfAnHour) {
-  EXPECT_EQ(turn_phrase(kPi / 3).message, "guide.turn_hour_left");
-  EXPECT_EQ(turn_phrase(-kPi / 3).message, "guide.turn_hour_right");
+  EXPECT_EQ(turn_phrase(kPi / 3).message_id, "guide.turn_hour_left");
+  EXPECT_EQ(turn_phrase(-kPi / 3).message_id, "guide.turn_hour_right");
 }
 
 TEST(GuidanceOptionsTest, SayWhatIsWrong) {

@@ -288,7 +288,7 @@ TEST_F(StairsTest, AreToldInEveryLanguageWithTheRightPlural) {
   const auto in = [&](const char* language) {
     wording_.style.language = language;
     const Phrase phrase = stairs_phrase(way, wording_.phrases());
-    return wording_.phrases().text(phrase.message, phrase.values);
+    return wording_.phrases().text(phrase.message_id, phrase.values);
   };
   EXPECT_EQ(in("de"), "Treppe hinauf, 14 Stufen, Geländer rechts.");
   EXPECT_EQ(in("es"), "Escalera de subida, 14 escalones, barandilla a la derecha.");

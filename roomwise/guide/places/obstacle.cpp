@@ -174,7 +174,7 @@ Prompt hazard_prompt(const ObstacleAhead& obstacle, const KnownThing* thing, con
                      TimestampNs now_ns) {
   const Phrase phrase = obstacle_phrase("hazard.", obstacle.side, thing);
   Prompt prompt = make_prompt(
-      wording, "hazard", phrase.message, phrase.values, Confidence::kSure,
+      wording, "hazard", phrase.message_id, phrase.values, Confidence::kSure,
       after(now_ns, kHazardValid_s),
       fmt::format("the depth camera sees something {:.2f} m ahead", obstacle.ahead_left_m.x()));
   prompt.priority = Priority::kHazard;

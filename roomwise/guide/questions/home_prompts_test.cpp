@@ -203,7 +203,7 @@ TEST_F(HomePromptsTest, FacingIsTheNearestAtTwelve) {
   const auto nothing = facing_prompts(map(), here, english_, today_);
   ASSERT_EQ(nothing.size(), 1U);
   EXPECT_EQ(nothing[0].confidence, Confidence::kUnsure);
-  EXPECT_EQ(facing_prompts(map(), nowhere_, english_, today_)[0].message, "route.no_place");
+  EXPECT_EQ(facing_prompts(map(), nowhere_, english_, today_)[0].message_id, "route.no_place");
 }
 
 TEST_F(HomePromptsTest, ARoomIsItsFloorWhereItLeadsAndItsThingsClockwiseFromTheDoor) {

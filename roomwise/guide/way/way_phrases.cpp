@@ -39,14 +39,14 @@ Phrase soon_turn_phrase(double turn, const std::string& distance,
                         const std::optional<Noun>& place) {
   Phrase phrase{"guide.soon_hour", {{"distance", distance}}};
   if (std::abs(turn) > kAround_rad) {
-    phrase.message = "guide.soon_around";
+    phrase.message_id = "guide.soon_around";
   } else if (is_quarter(turn)) {
-    phrase.message = turn > 0 ? "guide.soon_left" : "guide.soon_right";
+    phrase.message_id = turn > 0 ? "guide.soon_left" : "guide.soon_right";
   } else {
     phrase.values["hour"] = hour_of(turn);
   }
   if (place) {
-    phrase.message += "_at";
+    phrase.message_id += "_at";
     phrase.values["place"] = list_of(*place);
   }
   return phrase;
@@ -59,10 +59,10 @@ Phrase stairs_phrase(const StairsOnWay& way, const Phrasebook& phrases) {
   // Left and right are those of who walks.
   const bool has_left = way.is_up ? way.stairs.has_left_rail : way.stairs.has_right_rail;
   const bool has_right = way.is_up ? way.stairs.has_right_rail : way.stairs.has_left_rail;
-  phrase.message += has_left && has_right ? "_both"
-                    : has_left            ? "_left"
-                    : has_right           ? "_right"
-                                          : "_counted";
+  phrase.message_id += has_left && has_right ? "_both"
+                       : has_left            ? "_left"
+                       : has_right           ? "_right"
+                                             : "_counted";
   return phrase;
 }
 
@@ -125,9 +125,9 @@ std::optional<Phrase> rooms_phrase(const Goal& goal, const std::vector<std::stri
   Phrase phrase{"where.here", {{"thing", list_of(goal.noun)}}};
   if (rooms.size() < 2) return phrase;
   phrase.values["room"] = room(*goal.room);
-  phrase.message = "where.next_room";
+  phrase.message_id = "where.next_room";
   if (rooms.size() > 2) {
-    phrase.message = "where.through";
+    phrase.message_id = "where.through";
     phrase.values["via"] = room_list({rooms.begin() + 1, rooms.end() - 1});
   }
   return phrase;

@@ -35,13 +35,13 @@ std::vector<Prompt> repeat_prompts(const std::optional<Said>& last_said, const W
       Wording then = wording;
       then.style.language = prompt.language;  // one prompt is of one language
       prompt.text = then.phrases().text("repeat.earlier", {{"text", prompt.text}});
-      prompt.message = "repeat.earlier";
+      prompt.message_id = "repeat.earlier";
       prompt.confidence = Confidence::kUnsure;
       prompt.sound = Sound::kUnsure;
       // It says itself that it is old.
       prompt.valid_until_ns = after(now_ns, kNoticeValid_s + before * kSpokenIn_s);
     }
-    prompt.key = part_key("repeat", prompts.size());
+    prompt.replace_key = part_key("repeat", prompts.size());
     prompt.priority = Priority::kAnswer;
     prompts.push_back(std::move(prompt));
   }

@@ -13,7 +13,7 @@ class NoticesTest : public ::testing::Test {
   [[nodiscard]] Prompt said(const std::string& key, const std::string& text,
                             TimestampNs valid_until_ns) const {
     Prompt prompt;
-    prompt.key = key;
+    prompt.replace_key = key;
     prompt.text = text;
     prompt.language = "en";
     prompt.valid_until_ns = valid_until_ns;
@@ -27,8 +27,9 @@ class NoticesTest : public ::testing::Test {
 
 TEST_F(NoticesTest, NoticesOfOneMatterHaveOneKey) {
   const Prompt lost = notice_prompt("device.connection_lost", Sound::kLost, english_, 0);
-  EXPECT_EQ(lost.key, "device.connection");
-  EXPECT_EQ(lost.key, notice_prompt("device.connection_back", Sound::kBack, english_, 0).key);
+  EXPECT_EQ(lost.replace_key, "device.connection");
+  EXPECT_EQ(lost.replace_key,
+            notice_prompt("device.connection_back", Sound::kBack, english_, 0).replace_key);
   EXPECT_EQ(lost.text, "The connection is lost.");
   EXPECT_EQ(lost.priority, Priority::kNotice);
   EXPECT_EQ(lost.sound, Sound::kLost);
@@ -39,7 +40,7 @@ TEST_F(NoticesTest, WhatStillHoldsIsRepeatedAsItWas) {
   const auto prompts = repeat_prompts(last, german_, 2 * kSecond);
   ASSERT_EQ(prompts.size(), 1u);
   EXPECT_EQ(prompts[0].text, "You are in the hall.");
-  EXPECT_EQ(prompts[0].key, "repeat");
+  EXPECT_EQ(prompts[0].replace_key, "repeat");
   EXPECT_EQ(prompts[0].priority, Priority::kAnswer);
   EXPECT_EQ(prompts[0].valid_until_ns, 3 * kSecond);
 }
@@ -55,13 +56,13 @@ TEST_F(NoticesTest, WhatIsPastItsTimeSaysSo) {
   EXPECT_GT(prompts[0].valid_until_ns, 4 * kSecond);
   // It would be past its time when the first one has been spoken.
   EXPECT_EQ(prompts[1].text, "Earlier: Lamp at 3 o'clock.");
-  EXPECT_EQ(prompts[1].key, "repeat/2");
+  EXPECT_EQ(prompts[1].replace_key, "repeat/2");
 }
 
 TEST_F(NoticesTest, WhatIsOldOrWasNeverSaidIsNotRepeated) {
   const Said last{{said("room", "You are in the hall.", 3 * kSecond)}, 0};
-  EXPECT_EQ(repeat_prompts(last, english_, 61 * kSecond).at(0).message, "repeat.too_old");
-  EXPECT_EQ(repeat_prompts(std::nullopt, english_, kSecond).at(0).message, "repeat.nothing");
+  EXPECT_EQ(repeat_prompts(last, english_, 61 * kSecond).at(0).message_id, "repeat.too_old");
+  EXPECT_EQ(repeat_prompts(std::nullopt, english_, kSecond).at(0).message_id, "repeat.nothing");
 }
 
 }  // namespace

@@ -29,9 +29,9 @@ using Nouns = std::vector<Noun>;
 
 // What the placeholders of a message stand for: a text as it is, or names in the language's words.
 using Values = std::map<std::string, std::variant<std::string, Nouns>>;
-// A message and what it is filled with.
+// A message, by its name in the catalogue, and what it is filled with.
 struct Phrase {
-  std::string message;
+  std::string message_id;
   Values values = {};
 };
 

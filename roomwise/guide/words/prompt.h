@@ -26,10 +26,10 @@ struct Prompt {
   // What it is about: "room", "thing microwave". A prompt replaces one of the same key that waits,
   // and a callout of one key with the same text is not repeated soon. An answer of several prompts
   // has the keys "around", "around/2", ...: whoever replaces the first replaces all.
-  std::string key;
-  std::string message;   // its name in the catalogue: "room.is"
-  std::string text;      // as it is spoken
-  std::string language;  // of the text: "en"
+  std::string replace_key;
+  std::string message_id;  // its name in the catalogue: "room.is"
+  std::string text;        // as it is spoken
+  std::string language;    // of the text: "en"
   Priority priority = Priority::kAnswer;
   Confidence confidence = Confidence::kSure;
   Sound sound = Sound::kAnswer;

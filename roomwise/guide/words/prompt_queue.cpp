@@ -31,20 +31,21 @@ bool PromptQueue::was_said_lately(const Prompt& prompt, TimestampNs now_ns) cons
   const double lately_s = prompt.priority == Priority::kCallout  ? options_.same_callout_s
                           : prompt.priority == Priority::kHazard ? options_.same_hazard_s
                                                                  : 0;
-  const auto said = said_at_ns_.find({prompt.key, prompt.text});
+  const auto said = said_at_ns_.find({prompt.replace_key, prompt.text});
   return said != said_at_ns_.end() && now_ns < after(said->second, lately_s);
 }
 
 void PromptQueue::add(Prompt prompt, TimestampNs now_ns, bool is_asked_for) {
   std::uint64_t place = places_++;
   for (const Waiting& each : waiting_) {
-    if (!is_of(each.prompt.key, prompt.key) || now_ns > each.prompt.valid_until_ns) continue;
+    if (!is_of(each.prompt.replace_key, prompt.replace_key) || now_ns > each.prompt.valid_until_ns)
+      continue;
     prompt.priority = std::min(prompt.priority, each.prompt.priority);
     place = std::min(place, each.place);
     is_asked_for = is_asked_for || each.is_asked_for;
   }
   // Also where this one is not spoken: it is the newer word on the same.
-  withdraw(prompt.key);
+  withdraw(prompt.replace_key);
   const bool is_unwanted = is_quiet_ && prompt.priority == Priority::kCallout;
   if (!is_unwanted && !was_said_lately(prompt, now_ns)) {
     waiting_.push_back({std::move(prompt), place, is_asked_for, false});
@@ -52,7 +53,7 @@ void PromptQueue::add(Prompt prompt, TimestampNs now_ns, bool is_asked_for) {
 }
 
 void PromptQueue::withdraw(const std::string& key) {
-  std::erase_if(waiting_, [&](const Waiting& each) { return is_of(each.prompt.key, key); });
+  std::erase_if(waiting_, [&](const Waiting& each) { return is_of(each.prompt.replace_key, key); });
 }
 
 bool PromptQueue::withdraw_answers(TimestampNs now_ns) {
@@ -107,7 +108,7 @@ std::optional<Utterance> PromptQueue::next(TimestampNs now_ns) {
   const Prompt prompt = found->prompt;
   waiting_.erase(found);
   const bool breaks_off = speaking_.has_value();
-  if (breaks_off) break_off(prompt.key, now_ns);
+  if (breaks_off) break_off(prompt.replace_key, now_ns);
   remember(prompt, now_ns);
   speaking_ = Utterance{++utterances_, prompt, breaks_off};
   return speaking_;
@@ -117,15 +118,16 @@ void PromptQueue::break_off(const std::string& by_key, TimestampNs now_ns) {
   Prompt prompt = std::move(speaking_->prompt);
   finished(speaking_->id, now_ns);
   const bool is_superseded =
-      is_of(prompt.key, by_key) || std::ranges::any_of(waiting_, [&](const Waiting& each) {
-        return each.prompt.key == prompt.key;
+      is_of(prompt.replace_key, by_key) || std::ranges::any_of(waiting_, [&](const Waiting& each) {
+        return each.prompt.replace_key == prompt.replace_key;
       });
   // Callouts are not worth a second beginning.
   if (prompt.priority == Priority::kCallout || is_superseded) return;
   // Before its own parts, which came later.
   std::uint64_t place = places_++;
   for (const Waiting& each : waiting_) {
-    if (whole_of(each.prompt.key) == whole_of(prompt.key)) place = std::min(place, each.place);
+    if (whole_of(each.prompt.replace_key) == whole_of(prompt.replace_key))
+      place = std::min(place, each.place);
   }
   waiting_.insert(waiting_.begin(), {std::move(prompt), place, false, true});
 }
@@ -134,17 +136,19 @@ void PromptQueue::remember(const Prompt& prompt, TimestampNs now_ns) {
   std::erase_if(said_at_ns_, [&](const auto& said) {
     return now_ns > after(said.second, std::max(options_.same_callout_s, options_.same_hazard_s));
   });
-  said_at_ns_[{prompt.key, prompt.text}] = now_ns;
+  said_at_ns_[{prompt.replace_key, prompt.text}] = now_ns;
   const bool may_be_repeated =
       (prompt.priority == Priority::kAnswer || prompt.priority == Priority::kCallout) &&
-      whole_of(prompt.key) != "repeat";
+      whole_of(prompt.replace_key) != "repeat";
   if (!may_be_repeated) return;
-  const bool is_a_part = prompt.key != whole_of(prompt.key);
+  const bool is_a_part = prompt.replace_key != whole_of(prompt.replace_key);
   const bool continues =
-      is_a_part && last_said_ && whole_of(last_said_->prompts.front().key) == whole_of(prompt.key);
+      is_a_part && last_said_ &&
+      whole_of(last_said_->prompts.front().replace_key) == whole_of(prompt.replace_key);
   if (!continues) last_said_ = Said{{}, now_ns};
   // It was broken off before and is begun again.
-  std::erase_if(last_said_->prompts, [&](const Prompt& each) { return each.key == prompt.key; });
+  std::erase_if(last_said_->prompts,
+                [&](const Prompt& each) { return each.replace_key == prompt.replace_key; });
   last_said_->prompts.push_back(prompt);
 }
 

@@ -21,7 +21,7 @@ constexpr TimestampNs at(double seconds) {
 Prompt prompt(Priority priority, const std::string& key, const std::string& text,
               double valid_until_s = 1000) {
   Prompt made;
-  made.key = key;
+  made.replace_key = key;
   made.text = text;
   made.priority = priority;
   made.valid_until_ns = at(valid_until_s);
@@ -200,7 +200,7 @@ TEST_F(PromptQueueTest, WhatANewerWordOnTheSameBrokeOffIsNotSaidAgain) {
     queue_.add(answer(key, "Straight on.", 9), at(0));
     EXPECT_EQ(begin(0), "Straight on.");
     Prompt stop = hazard("Off the way. Stop.");
-    stop.key = "guide";
+    stop.replace_key = "guide";
     queue_.add(stop, at(0.5));
     EXPECT_EQ(speak(0.5), "Off the way. Stop.");
     EXPECT_EQ(begin(2), "") << key;
@@ -405,7 +405,8 @@ TEST(PromptQueuePropertyTest, RulesHoldForAnythingThatHappens) {
         for (const Begun& before : begun) {
           ASSERT_TRUE(before.ended_ns);
           EXPECT_GE(now, *before.ended_ns + at(0.75));
-          const bool is_same = before.prompt.key == said.key && before.prompt.text == said.text;
+          const bool is_same =
+              before.prompt.replace_key == said.replace_key && before.prompt.text == said.text;
           EXPECT_TRUE(!is_same || now >= before.at_ns + at(60)) << said.text << " at " << now_s;
         }
       }
@@ -426,7 +427,7 @@ TEST(PromptQueuePropertyTest, WithoutNewPromptsUrgencyOnlyFalls) {
     PromptQueue queue;
     for (int i = 0; i < 8; ++i) {
       Prompt each = random_prompt(random, 0);
-      each.key = fmt::format("{}", i);
+      each.replace_key = fmt::format("{}", i);
       each.valid_until_ns = at(1000);
       queue.add(std::move(each), at(0));
     }

@@ -41,9 +41,9 @@ Prompt make_prompt(const Wording& wording, std::string key, std::string message,
                    const Values& values, Confidence confidence, TimestampNs valid_until_ns,
                    std::string because) {
   Prompt prompt;
-  prompt.key = std::move(key);
+  prompt.replace_key = std::move(key);
   prompt.text = wording.phrases().text(message, values);
-  prompt.message = std::move(message);
+  prompt.message_id = std::move(message);
   prompt.language = wording.style.language;
   prompt.confidence = confidence;
   prompt.sound = confidence == Confidence::kUnsure ? Sound::kUnsure : Sound::kAnswer;

@@ -689,7 +689,7 @@ std::vector<guide::Prompt> Announcer::after(const Situation& situation, bool tel
 
 void Announcer::answered(const Situation& situation, const std::vector<guide::Prompt>& prompts) {
   const bool names_the_room =
-      std::ranges::any_of(prompts, [](const auto& one) { return one.message == "room.is"; });
+      std::ranges::any_of(prompts, [](const auto& one) { return one.message_id == "room.is"; });
   if (!names_the_room || situation.result == nullptr) return;
   if (const auto decision = decision_of(*situation.result, situation.home)) {
     room_called_ = decision->room().value_or(room_called_);

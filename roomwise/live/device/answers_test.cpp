@@ -79,7 +79,7 @@ TEST_F(CallerTest, ARoomThatAnAnswerNamedIsNotCalledOut) {
   const FrameResult asked = in("kitchen", 100);
   const Situation now{home, &asked, settings, 100};
   guide::Prompt named;
-  named.message = "room.is";
+  named.message_id = "room.is";
   caller.answered(now, {named});
   EXPECT_THAT(after(in("kitchen", 200)), SizeIs(0));
   EXPECT_THAT(after(in("hall", 300)), SizeIs(0));
@@ -218,10 +218,10 @@ TEST(Answers, TellTheWayToAThing) {
   EXPECT_THAT(prompts[0].text, ::testing::EndsWith("to the microwave."));
   EXPECT_EQ(answer({1, 600, service::Question::kWayTo, "bed"}, {home, &result, settings, 600})
                 .at(0)
-                .message,
+                .message_id,
             "where.unknown");
   result.place.reset();
-  EXPECT_EQ(answer(ask, {home, &result, settings, 600}).at(0).message, "route.no_place");
+  EXPECT_EQ(answer(ask, {home, &result, settings, 600}).at(0).message_id, "route.no_place");
 }
 
 TEST(Answers, TellTheDirectionOfAThingByThePlaceOnTheMap) {
@@ -371,11 +371,11 @@ TEST(Answers, DirectionsRestOnAPictureAndSayWhatIsAheadNow) {
   using service::Question;
   for (const auto question :
        {Question::kWhichWay, Question::kWhatIsAhead, Question::kDescribeRoom}) {
-    EXPECT_EQ(answer({1, 0, question, ""}, {home, nullptr, settings, 0}).at(0).message,
+    EXPECT_EQ(answer({1, 0, question, ""}, {home, nullptr, settings, 0}).at(0).message_id,
               "device.no_picture");
   }
   const service::Ask ahead{1, 600, Question::kWhatIsAhead, ""};
-  EXPECT_EQ(answer(ahead, {home, &result, settings, 600}).at(0).message, "ahead.unknown");
+  EXPECT_EQ(answer(ahead, {home, &result, settings, 600}).at(0).message_id, "ahead.unknown");
   result.obstacle.emplace().ahead_left_m = {1, 0};
   EXPECT_EQ(answer(ahead, {home, &result, settings, 600}).at(0).text,
             "Something is ahead now, 1 metre.");
@@ -396,17 +396,17 @@ TEST(Answers, WhatIsAheadIsSureOnlyWhereDepthIsMeasured) {
   const service::SpeakingSettings settings;
   const service::Ask ahead{1, 600, service::Question::kWhatIsAhead, ""};
   const auto told = [&] { return answer(ahead, {home, &result, settings, 600}).at(0); };
-  EXPECT_EQ(told().message, "ahead.free_by_map");
+  EXPECT_EQ(told().message_id, "ahead.free_by_map");
   EXPECT_EQ(told().confidence, guide::Confidence::kProbable);
   result.has_depth = true;
-  EXPECT_EQ(told().message, "ahead.free");
+  EXPECT_EQ(told().message_id, "ahead.free");
 }
 
 TEST(Answers, WhereAmIRestsOnAPicture) {
   HomeView home;
   const service::SpeakingSettings settings;
   const service::Ask ask{1, 0, service::Question::kWhereAmI, ""};
-  EXPECT_EQ(answer(ask, {home, nullptr, settings, 0}).at(0).message, "device.nothing_learned");
+  EXPECT_EQ(answer(ask, {home, nullptr, settings, 0}).at(0).message_id, "device.nothing_learned");
 }
 
 // A home of which the map knows two rooms, and a picture from the bedroom.

@@ -22,7 +22,7 @@ service::Seen seen_of(const FrameResult& result) {
   service::Seen seen;
   seen.t_ms = result.t_ms;
   if (result.decision) {
-    seen.verdict = rooms::to_string(result.decision->verdict);
+    seen.room_decision = rooms::to_string(result.decision->verdict);
     seen.room = result.decision->rooms.front().room;
     seen.probability = std::clamp(result.decision->rooms.front().score, 0.0, 1.0);
     seen.why = result.decision->why;
@@ -177,8 +177,8 @@ service::Welcome Device::welcome() const {
   for (const ViewedSpot& spot : view->spots) {
     if (!spot.stored.name.empty()) welcome.spots.push_back(spot.stored.name);
   }
-  welcome.sees_rooms = view->recognizer != nullptr;
-  welcome.sees_places = view->map != nullptr;
+  welcome.has_room_classifier = view->recognizer != nullptr;
+  welcome.can_localize = view->map != nullptr;
   return welcome;
 }
 

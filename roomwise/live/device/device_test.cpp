@@ -183,7 +183,7 @@ TEST_F(DeviceTest, IsWelcomedWithWhatTheHomeHas) {
   EXPECT_THAT(welcome[0].things, ::testing::ElementsAre("bed", "stool"));  // each name once
   const service::ThingInRooms stool{"stool", {"bath", "kitchen"}};
   EXPECT_THAT(welcome[0].things_in_rooms, ::testing::ElementsAre(stool));
-  EXPECT_FALSE(welcome[0].sees_rooms);
+  EXPECT_FALSE(welcome[0].has_room_classifier);
 }
 
 TEST_F(DeviceTest, OfTwoChangesAtOnceTheLaterIsToldLast) {
@@ -286,7 +286,7 @@ TEST_F(DeviceTeaching, WhoBeginsAnewShowsAllOfTheThing) {
   ask(2, 11'000, service::Question::kTeachThing);
   wire->texts.clear();
   ask(3, 12'000, service::Question::kNameThing, "my mug");
-  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "teach.more");
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message_id, "teach.more");
   EXPECT_THAT(host.taught, IsEmpty());
 }
 
@@ -297,7 +297,7 @@ TEST_F(DeviceTeaching, EndsWhereItIsLeftAloneAndFramesAreLookedAtAgain) {
     device->work();
     std::vector<std::string> messages;
     for (const auto& prompt : wire->take<service::PromptMessage>()) {
-      messages.push_back(prompt.message);
+      messages.push_back(prompt.message_id);
     }
     return messages;
   };
@@ -341,7 +341,7 @@ TEST_F(DeviceTest, IsToldStepByStepHowAThingIsTaught) {
   const auto told = [&] {
     std::vector<std::string> messages;
     for (const auto& prompt : wire->take<service::PromptMessage>()) {
-      messages.push_back(prompt.message);
+      messages.push_back(prompt.message_id);
     }
     return messages;
   };
@@ -394,8 +394,8 @@ TEST_F(DeviceTest, WhatItTaughtIsForgottenByAWordAndNothingElse) {
   const auto prompts = wire->take<service::PromptMessage>();
   ASSERT_THAT(prompts, SizeIs(3));
   EXPECT_EQ(prompts[0].text, "My mug is forgotten.");
-  EXPECT_EQ(prompts[1].message, "own.shared");
-  EXPECT_EQ(prompts[2].message, "own.not_own");
+  EXPECT_EQ(prompts[1].message_id, "own.shared");
+  EXPECT_EQ(prompts[2].message_id, "own.not_own");
 }
 
 TEST_F(DeviceTest, OfThingsInSeveralRoomsItAsksWhichOneIsMeant) {
@@ -412,11 +412,12 @@ TEST_F(DeviceTest, OfThingsInSeveralRoomsItAsksWhichOneIsMeant) {
   say(hello());
   EXPECT_EQ(answer(1, "take me to the chair").text,
             "Chair: in the hall and in the kitchen. Which one?");
-  EXPECT_EQ(answer(2, "the one in the kitchen").message, "route.no_place");
+  EXPECT_EQ(answer(2, "the one in the kitchen").message_id, "route.no_place");
   EXPECT_EQ(host.answers.back(), service::Question::kTakeMeTo);
   EXPECT_THAT(answer(3, "where is the chair in the hall").text, HasSubstr("in the hall"));
   host.home->things.back().room = "hall";
-  EXPECT_NE(answer(4, "take me to the chair").message, "ask.which_room") << "they stand together";
+  EXPECT_NE(answer(4, "take me to the chair").message_id, "ask.which_room")
+      << "they stand together";
 }
 
 TEST_F(DeviceTest, OfDoorsOfARoomItAsksWhichOneIsMeant) {
@@ -433,9 +434,9 @@ TEST_F(DeviceTest, OfDoorsOfARoomItAsksWhichOneIsMeant) {
   wire->texts.clear();
   EXPECT_EQ(answer(1, "bring me to the kitchen door").text,
             "Doors lead to the balcony and the hall. Which one?");
-  EXPECT_EQ(answer(2, "the one to the hall").message, "route.no_place");
+  EXPECT_EQ(answer(2, "the one to the hall").message_id, "route.no_place");
   EXPECT_EQ(host.answers.back(), service::Question::kTakeMeTo);
-  EXPECT_NE(answer(3, "bring me to the hall door").message, "ask.which_door") << "it has one";
+  EXPECT_NE(answer(3, "bring me to the hall door").message_id, "ask.which_door") << "it has one";
   const std::map<std::string, std::pair<std::string, std::string>> asked{
       {"de", {"zur Küchentür", "Türen führen zum Balkon und zur Diele. Welche?"}},
       {"es",
@@ -455,7 +456,7 @@ TEST_F(DeviceTest, OfDoorsOfARoomItAsksWhichOneIsMeant) {
 TEST_F(DeviceTest, NothingIsMarkedWhereNobodyKnowsWhereOneStands) {
   const auto answer = [&](std::int64_t id, service::Question question, std::string subject = "") {
     ask(id, 1100, question, std::move(subject));
-    return wire->take<service::PromptMessage>().back().message;
+    return wire->take<service::PromptMessage>().back().message_id;
   };
   say(hello());
   EXPECT_EQ(answer(1, service::Question::kMarkSpot, "my chair"), "device.no_map");
@@ -474,16 +475,16 @@ TEST_F(DeviceTest, WhatItMarkedIsListedRenamedAndForgotten) {
     return wire->take<service::PromptMessage>().back();
   };
   say(hello());
-  EXPECT_EQ(answer({1, 0, service::Question::kWhichSpots, ""}).message, "spot.none");
+  EXPECT_EQ(answer({1, 0, service::Question::kWhichSpots, ""}).message_id, "spot.none");
   ViewedSpot& spot = host.home->spots.emplace_back();
   spot.stored.name = spot.thing.name = "my chair";
   EXPECT_EQ(answer({2, 0, service::Question::kWhichSpots, ""}).text, "You marked: my chair.");
   service::Ask rename{3, 0, service::Question::kRenameSpot, "my chair"};
   rename.name = "my seat";
   EXPECT_EQ(answer(rename).text, "It is called my seat now.");
-  EXPECT_EQ(answer({4, 0, service::Question::kInWords, "forget my chair"}).message,
+  EXPECT_EQ(answer({4, 0, service::Question::kInWords, "forget my chair"}).message_id,
             "own.forgotten");
-  EXPECT_EQ(answer({5, 0, service::Question::kForgetSpot, "my desk"}).message, "spot.not_yours");
+  EXPECT_EQ(answer({5, 0, service::Question::kForgetSpot, "my desk"}).message_id, "spot.not_yours");
 }
 
 TEST_F(DeviceTest, WhoIsInThePictureIsAnsweredByWhoLooksAtFrames) {
@@ -494,23 +495,23 @@ TEST_F(DeviceTest, WhoIsInThePictureIsAnsweredByWhoLooksAtFrames) {
     return wire->take<service::PromptMessage>().front();
   };
   say(hello());
-  EXPECT_EQ(answer(1, 1000, service::Question::kWhoIsHere).message, "device.no_picture");
+  EXPECT_EQ(answer(1, 1000, service::Question::kWhoIsHere).message_id, "device.no_picture");
   show(2000);
   (void)device->work();
-  EXPECT_EQ(answer(2, 2100, service::Question::kWhoIsHere).message, "people.cannot");
+  EXPECT_EQ(answer(2, 2100, service::Question::kWhoIsHere).message_id, "people.cannot");
   host.people.emplace();
   EXPECT_EQ(answer(3, 2100, service::Question::kWhoIsHere).text, "I see nobody in front of you.");
   host.people->push_back({guide::SeenPerson::Side::kLeft, 2.0});
-  EXPECT_EQ(answer(4, 2100, service::Question::kWhoIsHere).message, "people.left_at");
-  EXPECT_EQ(answer(5, 2100, service::Question::kIsItLight).message, "light.dark");
-  EXPECT_EQ(answer(6, 9000, service::Question::kWhoIsHere).message, "device.no_picture");
+  EXPECT_EQ(answer(4, 2100, service::Question::kWhoIsHere).message_id, "people.left_at");
+  EXPECT_EQ(answer(5, 2100, service::Question::kIsItLight).message_id, "light.dark");
+  EXPECT_EQ(answer(6, 9000, service::Question::kWhoIsHere).message_id, "device.no_picture");
 }
 
 TEST_F(DeviceTest, WithoutACameraNothingIsTaught) {
   say(hello(false));
   wire->texts.clear();
   ask(1, 100, service::Question::kTeachThing);
-  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "teach.no_camera");
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message_id, "teach.no_camera");
 }
 
 TEST_F(DeviceTest, WhoIsLedTalksToTheGuide) {
@@ -520,20 +521,20 @@ TEST_F(DeviceTest, WhoIsLedTalksToTheGuide) {
   host.home->things = {bed};
   say(hello());
   say(service::Ask{1, 100, service::Question::kGuide, "", false, service::GuideWish::kPause});
-  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "guide.not_running");
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message_id, "guide.not_running");
   ask(2, 200, service::Question::kTakeMeTo, "bed");
   const auto begun = wire->take<service::PromptMessage>();
   ASSERT_THAT(begun, SizeIs(1));
   EXPECT_EQ(begun[0].answer_to, 2);
-  EXPECT_EQ(begun[0].message, "route.no_place");
+  EXPECT_EQ(begun[0].message_id, "route.no_place");
   ask(3, 300, service::Question::kRepeat);
-  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "route.no_place");
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message_id, "route.no_place");
   say(service::Ask{4, 400, service::Question::kGuide, "", false, service::GuideWish::kEnd});
-  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "guide.ended");
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message_id, "guide.ended");
   ask(6, 450, service::Question::kRepeat);
-  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "repeat.nothing");
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message_id, "repeat.nothing");
   ask(5, 500, service::Question::kTakeMeTo, "piano");
-  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "where.unknown");
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message_id, "where.unknown");
 }
 
 TEST_F(DeviceTest, WhoAsksForWhatNobodyKnowsIsLedOnAsBefore) {
@@ -544,11 +545,11 @@ TEST_F(DeviceTest, WhoAsksForWhatNobodyKnowsIsLedOnAsBefore) {
   say(hello());
   ask(1, 100, service::Question::kTakeMeTo, "bed");
   ask(2, 200, service::Question::kTakeMeTo, "piano");
-  EXPECT_EQ(wire->take<service::PromptMessage>().back().message, "where.unknown");
+  EXPECT_EQ(wire->take<service::PromptMessage>().back().message_id, "where.unknown");
   ask(3, 300, service::Question::kTakeMeBack);
-  EXPECT_EQ(wire->take<service::PromptMessage>().back().message, "spot.no_way_back");
+  EXPECT_EQ(wire->take<service::PromptMessage>().back().message_id, "spot.no_way_back");
   say(service::Ask{4, 400, service::Question::kGuide, "", false, service::GuideWish::kPause});
-  EXPECT_EQ(wire->take<service::PromptMessage>().back().message, "guide.paused");
+  EXPECT_EQ(wire->take<service::PromptMessage>().back().message_id, "guide.paused");
 }
 
 // ---- helpers who watch ----
@@ -567,7 +568,8 @@ class WatchedDeviceTest : public DeviceTest {
   }
   [[nodiscard]] std::vector<std::string> messages() {
     std::vector<std::string> all;
-    for (const auto& prompt : wire->take<service::PromptMessage>()) all.push_back(prompt.message);
+    for (const auto& prompt : wire->take<service::PromptMessage>())
+      all.push_back(prompt.message_id);
     return all;
   }
 };
@@ -974,7 +976,7 @@ TEST_F(DeviceTest, AYesAnswersAnOfferOnlyUntilAnythingElseIsAskedAndWhileItHolds
   const auto message = [&](std::int64_t id, double t_ms, service::Question question,
                            const std::string& subject) {
     ask(id, t_ms, question, subject);
-    return wire->take<service::PromptMessage>().at(0).message;
+    return wire->take<service::PromptMessage>().at(0).message_id;
   };
   const auto offer = [&](std::int64_t id, double t_ms) {
     EXPECT_EQ(message(id, t_ms, service::Question::kInWords, "where is the bedrom"),
@@ -1000,7 +1002,7 @@ TEST_F(DeviceTest, WhoAsksInWordsToBeLedTalksToTheGuide) {
   say(german);
   const auto message = [&](std::int64_t id, const std::string& words) {
     ask(id, 100, service::Question::kInWords, words);
-    return wire->take<service::PromptMessage>().at(0).message;
+    return wire->take<service::PromptMessage>().at(0).message_id;
   };
   EXPECT_EQ(message(1, "Pause"), "guide.not_running");
   EXPECT_EQ(message(2, "Bring mich bitte zum Bett"), "route.no_place");
@@ -1073,7 +1075,7 @@ TEST_F(DeviceTest, AQuestionWaitsForTheFrameInHand) {
   ASSERT_THAT(prompts, SizeIs(1));
   EXPECT_EQ(prompts[0].answer_to, 7);
   EXPECT_EQ(prompts[0].based_on_t_ms, 1000);
-  EXPECT_EQ(prompts[0].message, "device.nothing_learned");
+  EXPECT_EQ(prompts[0].message_id, "device.nothing_learned");
   EXPECT_EQ(prompts[0].text, "I have not learned any rooms yet.");
 }
 
@@ -1086,7 +1088,7 @@ TEST_F(DeviceTest, AQuestionWithoutANewPictureIsAnsweredAtOnceAndSaysSo) {
   ask(8, 1000 + kMaxFrameAge_ms + 1, service::Question::kAroundMe);
   const auto prompts = wire->take<service::PromptMessage>();
   ASSERT_THAT(prompts, SizeIs(1));
-  EXPECT_EQ(prompts[0].message, "device.no_picture");
+  EXPECT_EQ(prompts[0].message_id, "device.no_picture");
   EXPECT_FALSE(prompts[0].based_on_t_ms);
   EXPECT_EQ(prompts[0].confidence, "unsure");
 }
@@ -1109,9 +1111,9 @@ TEST_F(DeviceTest, RepeatAsksTheLastQuestionAnew) {
   say(hello(/*has_camera=*/false));
   wire->texts.clear();
   ask(1, 0, service::Question::kRepeat);
-  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "repeat.nothing");
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message_id, "repeat.nothing");
   ask(2, 1, service::Question::kWhereIs, "bed");
-  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "where.unknown");
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message_id, "where.unknown");
   guide::KnownThing bed;
   bed.name = "bed";
   bed.probability = 0.99;
@@ -1121,7 +1123,7 @@ TEST_F(DeviceTest, RepeatAsksTheLastQuestionAnew) {
   const auto again = wire->take<service::PromptMessage>();
   ASSERT_THAT(again, SizeIs(1));
   EXPECT_EQ(again[0].answer_to, 3);
-  EXPECT_EQ(again[0].message, "where.room");  // as it is now
+  EXPECT_EQ(again[0].message_id, "where.room");  // as it is now
 }
 
 TEST_F(DeviceTest, SpeaksTheLanguageThatIsWantedAndEnglishForOthers) {
@@ -1220,7 +1222,7 @@ TEST_F(DeviceTest, RoomsAreNamedWhileAWalkIsRecorded) {
   ask(6, 1, service::Question::kNameRoom, "kitchen");
   const auto thanks = wire->take<service::PromptMessage>();
   ASSERT_THAT(thanks, SizeIs(1));
-  EXPECT_EQ(thanks[0].message, "room.named");
+  EXPECT_EQ(thanks[0].message_id, "room.named");
   show(2);  // without depth: it cannot be stored, and that is told
   ASSERT_THAT(host.recordings, SizeIs(1));
   EXPECT_EQ(host.recordings[0].state, "failed");

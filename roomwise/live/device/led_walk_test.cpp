@@ -131,7 +131,7 @@ TEST_F(LedWalkTest, WhatWasInTheWayBarsItForWhoAsksNextAndIsForgotten) {
   for (double y = -0.2; y < 0.25; y += 0.1) barred.obstacles.emplace_back(1.2, y);
   const auto said = led->after(barred, home);
   ASSERT_FALSE(said.empty());
-  EXPECT_EQ(said.front().message, "guide.stop_obstacle_ahead");
+  EXPECT_EQ(said.front().message_id, "guide.stop_obstacle_ahead");
   EXPECT_GT(way_beside_m(*led), 0.3) << "around it";
   const FrameResult back = picture_at({0, 0}, t_ms + 1000);
   const auto next = LedWalk::to(ask_for("microwave"), home, at(back), led.get());

@@ -64,7 +64,7 @@ TEST(TrialQuestion, TellsAllThatWhoIsLedHearsUntilTheyAreThere) {
   asked.heading_degrees = 90;
   const TrialAnswer led = try_question(asked, home_with_stove());
   ASSERT_GE(led.along_way.size(), 2U);
-  EXPECT_EQ(led.along_way.back().message, "guide.there_ahead") << led.along_way.back().text;
+  EXPECT_EQ(led.along_way.back().message_id, "guide.there_ahead") << led.along_way.back().text;
   std::set<std::string> texts;
   for (const guide::Prompt& prompt : led.along_way) texts.insert(prompt.text);
   EXPECT_EQ(texts.size(), led.along_way.size()) << "each is said once";
@@ -105,7 +105,7 @@ TEST(TrialQuestion, WhateverIsAskedSomethingIsSaid) {
 
 TEST(TrialQuestion, TakeMeBackLeadsToTheSpotAsOnTheDevice) {
   const auto home = home_with_stove();
-  EXPECT_EQ(try_question(question("take me back", {{0, 0}}), home).prompts.front().message,
+  EXPECT_EQ(try_question(question("take me back", {{0, 0}}), home).prompts.front().message_id,
             "spot.no_way_back");
   ViewedSpot& start = home->spots.emplace_back();
   start.thing.name = guide::kStartingPlace;

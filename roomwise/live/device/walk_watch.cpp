@@ -17,7 +17,7 @@ double to_ms(WalkWatch::Time time) {
 void WalkWatch::say(std::span<const guide::Prompt> prompts, Time now) {
   for (const guide::Prompt& prompt : prompts) {
     // Answers to what they ask beside it are theirs.
-    if (prompt.key != "guide" && prompt.priority != guide::Priority::kHazard) continue;
+    if (prompt.replace_key != "guide" && prompt.priority != guide::Priority::kHazard) continue;
     // Who stands before something is warned with every picture.
     if (!said_.empty() && said_.back().text == prompt.text) continue;
     said_.push_back({to_ms(now), prompt.text});

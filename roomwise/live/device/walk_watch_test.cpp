@@ -12,7 +12,7 @@ using ::testing::IsEmpty;
 guide::Prompt prompt_of(const std::string& key, const std::string& text,
                         guide::Priority priority = guide::Priority::kAnswer) {
   guide::Prompt prompt;
-  prompt.key = key;
+  prompt.replace_key = key;
   prompt.text = text;
   prompt.priority = priority;
   return prompt;

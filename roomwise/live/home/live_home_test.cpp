@@ -203,8 +203,8 @@ TEST_F(LiveHomeTest, FromAnEmptyHomeToAnAnswer) {
 
   Client belt = connect(7, service::Role::kDevice);
   const auto welcome = belt.wire->next<service::Welcome>();
-  EXPECT_TRUE(welcome.sees_rooms);
-  EXPECT_TRUE(welcome.sees_places);
+  EXPECT_TRUE(welcome.has_room_classifier);
+  EXPECT_TRUE(welcome.can_localize);
   pipeline::testing::SyntheticWalk again(kFrames);
   const auto frame = again.next().value();
   belt.session->on_message(message_of(*frame));
@@ -217,7 +217,7 @@ TEST_F(LiveHomeTest, FromAnEmptyHomeToAnAnswer) {
   EXPECT_NEAR(seen.position->y_m, 0, 0.05);
   const auto prompt = belt.wire->next<service::PromptMessage>();
   EXPECT_EQ(prompt.answer_to, 1);
-  EXPECT_THAT(prompt.message, ::testing::StartsWith("room."));
+  EXPECT_THAT(prompt.message_id, ::testing::StartsWith("room."));
   belt.session->on_closed();
 
   // The helper's page: pictures, a test picture, what was recognised.
@@ -851,7 +851,7 @@ TEST_F(LiveHomeTest, OnlyWhoIsRecordedOrAHelperNamesTheWalksRooms) {
   EXPECT_THAT(other.wire->next<service::ErrorMessage>().text, HasSubstr("another device's walk"));
   for (const Client* client : {&page, &belt}) {
     client->session->on_text(kitchen);
-    EXPECT_EQ(client->wire->next<service::PromptMessage>().message, "room.named");
+    EXPECT_EQ(client->wire->next<service::PromptMessage>().message_id, "room.named");
   }
   for (const Client* client : {&page, &belt, &other}) client->session->on_closed();
 }
@@ -992,7 +992,7 @@ TEST_F(LiveHomeTest, HelpersWhoWatchAndNobodyElseSeeAWalkWhosePersonLetsThem) {
       [](const service::WatchedDevice& one) { return one.walk.has_value(); });
   EXPECT_EQ(led.walk->goal, "my chair");
   const auto told = belt.wire->next<service::PromptMessage>(
-      [](const service::PromptMessage& one) { return one.message == "watch.by"; });
+      [](const service::PromptMessage& one) { return one.message_id == "watch.by"; });
   EXPECT_THAT(told.text, HasSubstr("client"));
   tell(reader, service::Watch{true});  // now they do, too
   EXPECT_TRUE(reader.wire->next<service::WatchedDevice>(is_of_belt).may_watch);
@@ -1382,16 +1382,16 @@ class Teaching : public LiveHomeTest {
   }
   // Up to its name.
   void teach(const Client& client, const std::string& name) {
-    EXPECT_EQ(ask(client, service::Question::kTeachThing).message, "teach.begin");
+    EXPECT_EQ(ask(client, service::Question::kTeachThing).message_id, "teach.begin");
     for (int i = 0; i < 10; ++i) {
       client.session->on_message(message_of_thing(walk.info().camera, t_ms += 1000));
       // Answered once the picture has been looked at.
-      EXPECT_EQ(ask(client, service::Question::kWhichRooms).message, "rooms.count");
+      EXPECT_EQ(ask(client, service::Question::kWhichRooms).message_id, "rooms.count");
     }
-    EXPECT_EQ(ask(client, service::Question::kNameThing, name, true).message, "teach.learning");
+    EXPECT_EQ(ask(client, service::Question::kNameThing, name, true).message_id, "teach.learning");
   }
   static std::function<bool(const service::PromptMessage&)> is_message(const std::string& message) {
-    return [message](const service::PromptMessage& prompt) { return prompt.message == message; };
+    return [message](const service::PromptMessage& prompt) { return prompt.message_id == message; };
   }
 
   std::int64_t id = 0;
@@ -1402,7 +1402,7 @@ TEST_F(Teaching, AThingIsTaughtToldToItsOwnerAloneSharedAndForgotten) {
   open();
   const Client anna = connect(7, service::Role::kDevice), ben = connect(8, service::Role::kDevice);
   const auto where = [&](const Client& client) {
-    return ask(client, service::Question::kInWords, "where is my mug").message;
+    return ask(client, service::Question::kInWords, "where is my mug").message_id;
   };
 
   teach(anna, "my mug");
@@ -1415,12 +1415,12 @@ TEST_F(Teaching, AThingIsTaughtToldToItsOwnerAloneSharedAndForgotten) {
   EXPECT_THAT(home->view_for({7, "another name", service::Role::kDevice})->things, SizeIs(1));
   EXPECT_EQ(where(ben), "where.unknown");
   EXPECT_THAT(home->view()->things, IsEmpty());  // what helpers' pages show
-  EXPECT_EQ(ask(ben, service::Question::kForgetThing, "my mug").message, "own.not_own");
-  EXPECT_EQ(ask(anna, service::Question::kShareThing, "my mug").message, "own.shared");
+  EXPECT_EQ(ask(ben, service::Question::kForgetThing, "my mug").message_id, "own.not_own");
+  EXPECT_EQ(ask(anna, service::Question::kShareThing, "my mug").message_id, "own.shared");
   EXPECT_EQ(where(ben), "where.not_seen");
 
   EXPECT_THAT(bytes_of_home(), HasSubstr("my mug"));
-  EXPECT_EQ(ask(anna, service::Question::kInWords, "forget my mug").message, "own.forgotten");
+  EXPECT_EQ(ask(anna, service::Question::kInWords, "forget my mug").message_id, "own.forgotten");
   EXPECT_EQ(where(anna), "where.unknown");
   EXPECT_THAT(bytes_of_home(), Not(HasSubstr("my mug")));
 }
@@ -1436,7 +1436,7 @@ TEST_F(Teaching, AThingIsKnownAlsoWhereLookingForItIsStopped) {
   anna.wire->next<service::PromptMessage>(is_message("teach.no_walk"));
   home->jobs().wait();
   EXPECT_EQ(home->jobs().state()->message, "taught_for_later");
-  EXPECT_EQ(ask(anna, service::Question::kInWords, "where is my mug").message, "where.not_seen");
+  EXPECT_EQ(ask(anna, service::Question::kInWords, "where is my mug").message_id, "where.not_seen");
   home.reset();
 }
 
@@ -1459,7 +1459,7 @@ TEST_F(Teaching, ThingsAreLookedForThoughAPictureOfTheMapCannotBeReadAgain) {
     home->jobs().wait();
   }
   EXPECT_TRUE(home->view()->own_thing_watch);
-  EXPECT_EQ(ask(anna, service::Question::kForgetThing, "my bag").message, "own.forgotten");
+  EXPECT_EQ(ask(anna, service::Question::kForgetThing, "my bag").message_id, "own.forgotten");
   home->jobs().wait();
   EXPECT_TRUE(home->view()->own_thing_watch);
 }
@@ -1479,17 +1479,17 @@ TEST_F(LiveHomeTest, APlaceIsMarkedLedToToldToItsOwnerAloneAndForgotten) {
     return client.wire->next<service::PromptMessage>(
         [&](const auto& prompt) { return prompt.answer_to == id; });
   };
-  EXPECT_EQ(ask(anna, "take me back").message, "spot.no_way_back");
+  EXPECT_EQ(ask(anna, "take me back").message_id, "spot.no_way_back");
   EXPECT_EQ(ask(anna, "mark my throne here").text, "My throne is marked here.");
   EXPECT_EQ(ask(anna, "which places did I mark").text, "You marked: my throne.");
-  EXPECT_EQ(ask(ben, "which places did I mark").message, "spot.none");
-  EXPECT_EQ(ask(ben, "where is my throne").message, "where.unknown");
+  EXPECT_EQ(ask(ben, "which places did I mark").message_id, "spot.none");
+  EXPECT_EQ(ask(ben, "where is my throne").message_id, "where.unknown");
   EXPECT_THAT(home->view()->spots, IsEmpty()) << "what helpers' pages show";
-  EXPECT_EQ(ask(ben, "take me back").message, "spot.no_way_back") << "he was led nowhere";
-  EXPECT_NE(ask(anna, "where is my throne").message, "where.unknown");
+  EXPECT_EQ(ask(ben, "take me back").message_id, "spot.no_way_back") << "he was led nowhere";
+  EXPECT_NE(ask(anna, "where is my throne").message_id, "where.unknown");
   // This map shows no floor to walk on, and the guide says so.
-  EXPECT_EQ(ask(anna, "take me to my throne").key, "guide");
-  EXPECT_EQ(ask(anna, "take me back").key, "guide") << "to where she set out";
+  EXPECT_EQ(ask(anna, "take me to my throne").replace_key, "guide");
+  EXPECT_EQ(ask(anna, "take me back").replace_key, "guide") << "to where she set out";
   const auto knows_start = [&] {
     const auto view = home->view_for({7, "client", service::Role::kDevice});
     return std::ranges::any_of(
@@ -1506,15 +1506,15 @@ TEST_F(LiveHomeTest, APlaceIsMarkedLedToToldToItsOwnerAloneAndForgotten) {
   ASSERT_OK(home->begin_recording(9, "second walk"));
   record_the_rest(belt);
   EXPECT_FALSE(knows_start()) << "the map was made anew, and with it the key-frames' numbers";
-  EXPECT_EQ(ask(anna, "remember where I am").message, "spot.marked_here");
-  EXPECT_EQ(ask(ben, "forget my throne").message, "where.unknown");
+  EXPECT_EQ(ask(anna, "remember where I am").message_id, "spot.marked_here");
+  EXPECT_EQ(ask(ben, "forget my throne").message_id, "where.unknown");
   EXPECT_THAT(bytes_of_home(), HasSubstr("my throne"));
   home.reset();
   open();
   home->jobs().wait();
   const Client anew = connect(7, service::Role::kDevice);
-  EXPECT_EQ(ask(anew, "forget my throne").message, "own.forgotten");
-  EXPECT_EQ(ask(anew, "where is my throne").message, "where.unknown");
+  EXPECT_EQ(ask(anew, "forget my throne").message_id, "own.forgotten");
+  EXPECT_EQ(ask(anew, "where is my throne").message_id, "where.unknown");
   EXPECT_THAT(bytes_of_home(), Not(HasSubstr("my throne")));
 }
 
@@ -1552,7 +1552,7 @@ TEST_F(LiveHomeTest, AThingIsForgottenAlsoWhereItsBytesCannotBeErasedNow) {
         write(service::DeviceMessage(service::Ask{id, 100, service::Question::kInWords, words})));
     return anna.wire
         ->next<service::PromptMessage>([&](const auto& prompt) { return prompt.answer_to == id; })
-        .message;
+        .message_id;
   };
   EXPECT_EQ(ask(1, "where is my mug"), "where.not_seen");
   home::Home reader = home::Home::open_read_only(file).value();

@@ -7,7 +7,7 @@ namespace roomwise::live {
 void RecognitionLog::add(const service::Identity& who, std::int64_t time_s,
                          const service::Seen& seen, const Bytes& picture) {
   const std::scoped_lock lock(mutex_);
-  const std::string said = seen.verdict + "/" + seen.room;
+  const std::string said = seen.room_decision + "/" + seen.room;
   if (std::exchange(last_[who.device], said) == said) return;
   entries_.push_back({next_++, who, time_s, seen, picture});
   if (entries_.size() > kMax) entries_.pop_front();

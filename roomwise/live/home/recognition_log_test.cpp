@@ -9,7 +9,7 @@ using ::testing::SizeIs;
 
 service::Seen seen(const std::string& room) {
   service::Seen seen;
-  seen.verdict = "room";
+  seen.room_decision = "room";
   seen.room = room;
   return seen;
 }

@@ -87,7 +87,7 @@ Expected<Upload> Uploads::read(const std::string& id) const {
   ROOMWISE_TRY(const service::OrderedJson json, service::parse_object(text, kMaxFactsBytes));
   service::Members members(json);
   Upload upload{id, members.text("name"),
-                static_cast<std::uint64_t>(members.whole("bytes", 1, service::kMaxWhole)), 0};
+                static_cast<std::uint64_t>(members.integer("bytes", 1, service::kMaxInteger)), 0};
   if (members.has("walk")) upload.walk = members.text("walk", kMaxFactsBytes);
   if (members.error())
     return Unexpected(Error(*members.error()).with_context(metadata_path(id).string()));

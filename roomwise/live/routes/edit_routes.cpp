@@ -38,7 +38,8 @@ Expected<std::string> asked_text(const Asked& asked, const char* name,
 
 Expected<pipeline::HomeThing> asked_thing(const Asked& asked, const char* name) {
   Members members(asked.json);
-  ROOMWISE_TRY(const std::int64_t id, members.finish(members.whole(name, 0, service::kMaxWhole)));
+  ROOMWISE_TRY(const std::int64_t id,
+               members.finish(members.integer(name, 0, service::kMaxInteger)));
   ROOMWISE_TRY(auto things, pipeline::find_home_things(asked.home));
   const auto found =
       std::ranges::find_if(things.things, [&](const auto& one) { return thing_id(one) == id; });
@@ -179,7 +180,7 @@ Outcome add_door(const Asked& asked) {
 Outcome take_walk_away(const Asked& asked) {
   Members members(asked.json);
   ROOMWISE_TRY(const std::int64_t walk,
-               members.finish(members.whole("walk", 0, service::kMaxWhole)));
+               members.finish(members.integer("walk", 0, service::kMaxInteger)));
   return pipeline::take_walk_away(asked.home, asked.author, walk);
 }
 

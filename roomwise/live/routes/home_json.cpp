@@ -295,7 +295,7 @@ Json recognitions_json(const std::vector<Recognition>& recognitions) {
                    {"device", one.who.device},
                    {"name", one.who.name},
                    {"time", one.time_s},
-                   {"verdict", one.seen.verdict},
+                   {"verdict", one.seen.room_decision},
                    {"room", one.seen.room},
                    {"probability", one.seen.probability},
                    {"why", one.seen.why}});

@@ -68,8 +68,9 @@ Expected<std::vector<recording::RoomRange>> read_ranges(const HttpRequest& reque
     if (!one.is_object()) return fail("'ranges' must be a list of {{first, last, room}}");
     service::Members members(one);
     recording::RoomRange range;
-    range.first_frame = static_cast<std::uint64_t>(members.whole("first", 0, service::kMaxWhole));
-    range.last_frame = static_cast<std::uint64_t>(members.whole("last", 0, service::kMaxWhole));
+    range.first_frame =
+        static_cast<std::uint64_t>(members.integer("first", 0, service::kMaxInteger));
+    range.last_frame = static_cast<std::uint64_t>(members.integer("last", 0, service::kMaxInteger));
     range.room = members.text("room");
     if (members.error()) return Unexpected(Error(*members.error()));
     ranges.push_back(std::move(range));
@@ -217,7 +218,7 @@ std::vector<HomeRoute> working_routes() {
              if (!parsed) return bad(parsed.error());
              const service::OrderedJson json = *parsed;
              service::Members members(json);
-             const std::int64_t device = members.whole("device", 0, service::kMaxWhole);
+             const std::int64_t device = members.integer("device", 0, service::kMaxInteger);
              const std::string name = members.text("name");
              if (members.error()) return bad(*members.error());
              return done(home.begin_recording(device, name));

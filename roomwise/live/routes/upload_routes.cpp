@@ -30,7 +30,7 @@ HttpAnswer begin_upload(LiveHome& home, const HttpRequest& request) {
   const service::OrderedJson json = *parsed;
   service::Members members(json);
   const std::string name = members.text("name");
-  const std::int64_t bytes = members.whole("bytes", 1, service::kMaxWhole);
+  const std::int64_t bytes = members.integer("bytes", 1, service::kMaxInteger);
   const std::string modified = members.has("modified") ? members.text("modified") : "";
   if (members.error()) return service::error_answer(400, members.error()->message);
   return upload_answer(home.uploads().begin(name, static_cast<std::uint64_t>(bytes), modified));

@@ -58,8 +58,8 @@ constexpr int kMaxSide_px = 4096;
 Expected<DeviceCamera> read_camera(const OrderedJson& json) {
   Members members(json);
   DeviceCamera camera;
-  camera.width = static_cast<int>(members.whole("width", 1, kMaxSide_px));
-  camera.height = static_cast<int>(members.whole("height", 1, kMaxSide_px));
+  camera.width = static_cast<int>(members.integer("width", 1, kMaxSide_px));
+  camera.height = static_cast<int>(members.integer("height", 1, kMaxSide_px));
   camera.has_depth = members.has("depth_units_per_metre");
   if (members.has("fx") || camera.has_depth) {
     geometry::PinholeCamera pinhole;
@@ -94,15 +94,15 @@ SettingsChange read_settings(Members& members) {
   if (members.has("language")) change.language = members.text("language", 35);
   if (members.has("distances")) change.distances = members.one_of("distances", kDistances);
   if (members.has("step_m")) change.step_m = members.number("step_m", 0.2, 1.5);
-  if (members.has("callouts")) change.callouts = members.yes_or_no("callouts");
-  if (members.has("may_watch")) change.may_watch = members.yes_or_no("may_watch");
+  if (members.has("callouts")) change.callouts = members.boolean("callouts");
+  if (members.has("may_watch")) change.may_watch = members.boolean("may_watch");
   return change;
 }
 
 Expected<DeviceMessage> read_hello(const OrderedJson& json) {
   Members members(json);
   Hello hello;
-  hello.version = static_cast<int>(members.whole("version", 1, 1'000'000));
+  hello.version = static_cast<int>(members.integer("version", 1, 1'000'000));
   hello.name = members.text("name");
   hello.kind = members.one_of("kind", kKinds);
   apply(read_settings(members), hello.settings);
@@ -148,7 +148,7 @@ bool asks_for_spot(Question question) {
 Expected<DeviceMessage> read_ask(const OrderedJson& json) {
   Members members(json);
   Ask ask;
-  ask.id = members.whole("id", 0, std::int64_t{1} << 53U);
+  ask.id = members.integer("id", 0, std::int64_t{1} << 53U);
   ask.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
   ask.question = members.one_of("question", kQuestions);
   const bool is_of_place = asks_for_place(ask.question);
@@ -174,7 +174,7 @@ Expected<DeviceMessage> read_ask(const OrderedJson& json) {
   }
   if (needs_spot) ask.name = members.text("name");
   if (ask.question == Question::kNameThing && members.has("private")) {
-    ask.is_private = members.yes_or_no("private");
+    ask.is_private = members.boolean("private");
   }
   return members.finish<DeviceMessage>(std::move(ask));
 }
@@ -201,8 +201,8 @@ Expected<DeviceMessage> read_device_message(std::string_view text) {
   if (type == "hello") return read_hello(json);
   if (type == "ask") return read_ask(json);
   if (type == "settings") return members.finish<DeviceMessage>(read_settings(members));
-  if (type == "quiet") return members.finish<DeviceMessage>(Quiet{members.yes_or_no("on")});
-  if (type == "watch") return members.finish<DeviceMessage>(Watch{members.yes_or_no("on")});
+  if (type == "quiet") return members.finish<DeviceMessage>(Quiet{members.boolean("on")});
+  if (type == "watch") return members.finish<DeviceMessage>(Watch{members.boolean("on")});
   return fail("'{}' is no type of a message; expected hello, ask, settings, quiet or watch", type);
 }
 
@@ -211,7 +211,7 @@ std::optional<std::int64_t> id_of_ask(std::string_view text) {
   if (!json) return std::nullopt;
   Members members(*json);
   const bool is_ask = members.text("type") == "ask";
-  const std::int64_t id = members.whole("id", 0, kMaxWhole);
+  const std::int64_t id = members.integer("id", 0, kMaxInteger);
   return is_ask && !members.error() ? std::optional(id) : std::nullopt;
 }
 

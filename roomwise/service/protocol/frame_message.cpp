@@ -18,8 +18,8 @@ constexpr std::size_t kCovarianceValues = 21;  // of the upper triangle of 6 x 6
 using Covariance = Eigen::Matrix<double, 6, 6>;
 
 ImageSize read_size(Members& members) {
-  return {static_cast<int>(members.whole("width", 1, kMaxImageSide_px)),
-          static_cast<int>(members.whole("height", 1, kMaxImageSide_px))};
+  return {static_cast<int>(members.integer("width", 1, kMaxImageSide_px)),
+          static_cast<int>(members.integer("height", 1, kMaxImageSide_px))};
 }
 
 Expected<geometry::PinholeCamera> read_camera_of_frame(const OrderedJson& json) {
@@ -168,14 +168,14 @@ Expected<FrameMessage> read_frame(std::span<const std::uint8_t> message) {
   const auto most = static_cast<std::int64_t>(images.size());
   FrameMessage frame;
   frame.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
-  const auto color_bytes = static_cast<std::size_t>(members.whole("color_bytes", 1, most));
-  const auto depth_bytes = static_cast<std::size_t>(members.whole("depth_bytes", 0, most));
+  const auto color_bytes = static_cast<std::size_t>(members.integer("color_bytes", 1, most));
+  const auto depth_bytes = static_cast<std::size_t>(members.integer("depth_bytes", 0, most));
   if (!members.error() && color_bytes + depth_bytes != images.size()) {
     members.wrong("depth_bytes",
                   fmt::format("with color_bytes the {} bytes that follow", images.size()));
   }
   const bool has_version = members.has("version");
-  const auto version = has_version ? members.whole("version", 1, kHeaderVersion) : 1;
+  const auto version = has_version ? members.integer("version", 1, kHeaderVersion) : 1;
   if (members.error()) return Unexpected(Error(*members.error()).with_context(kHeader));
   if (version > 1) ROOMWISE_RETURN_IF_ERROR(in_context(kHeader, read_additions(json, frame)));
   frame.color = images.first(color_bytes);

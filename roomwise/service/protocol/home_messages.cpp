@@ -17,8 +17,8 @@ OrderedJson welcome_json(const Welcome& welcome, std::string_view type) {
           {"things", welcome.things},
           {"things_in_rooms", std::move(in_rooms)},
           {"spots", welcome.spots},
-          {"sees_rooms", welcome.sees_rooms},
-          {"sees_places", welcome.sees_places},
+          {"sees_rooms", welcome.has_room_classifier},
+          {"sees_places", welcome.can_localize},
           {"max_frame_bytes", kMaxFrameBytes}};
 }
 
@@ -41,7 +41,7 @@ OrderedJson to_json(const Seen& seen) {
   }
   return {{"type", "seen"},
           {"t", seen.t_ms},
-          {"verdict", seen.verdict},
+          {"verdict", seen.room_decision},
           {"room", seen.room},
           {"probability", seen.probability},
           {"why", seen.why},
@@ -59,8 +59,8 @@ OrderedJson to_json(const GoalBearing& bearing) {
 OrderedJson to_json(const PromptMessage& prompt) {
   return {{"type", "prompt"},
           {"answer_to", or_null(prompt.answer_to)},
-          {"key", prompt.key},
-          {"message", prompt.message},
+          {"key", prompt.replace_key},
+          {"message", prompt.message_id},
           {"text", prompt.text},
           {"language", prompt.language},
           {"priority", prompt.priority},
@@ -127,7 +127,7 @@ OrderedJson to_json(const ErrorMessage& error) {
 
 Expected<HomeMessage> read_welcome(const OrderedJson& json) {
   Members members(json);
-  const std::int64_t version = members.whole("version", 1, 1'000'000);
+  const std::int64_t version = members.integer("version", 1, 1'000'000);
   if (!members.error() && version != kProtocolVersion) {
     return fail("the computer speaks version {} of the protocol, this device version {}", version,
                 kProtocolVersion);
@@ -145,8 +145,8 @@ Expected<HomeMessage> read_welcome(const OrderedJson& json) {
       if (in_rooms.error()) return fail("'things_in_rooms': {}", in_rooms.error()->message);
     }
   }
-  welcome.sees_rooms = members.yes_or_no("sees_rooms");
-  welcome.sees_places = members.yes_or_no("sees_places");
+  welcome.has_room_classifier = members.boolean("sees_rooms");
+  welcome.can_localize = members.boolean("sees_places");
   return members.finish<HomeMessage>(std::move(welcome));
 }
 
@@ -154,7 +154,7 @@ Expected<HomeMessage> read_arrived(const OrderedJson& json) {
   Members members(json);
   FrameArrived frame;
   frame.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
-  frame.dropped = static_cast<std::uint64_t>(members.whole("dropped", 0, kMaxWhole));
+  frame.dropped = static_cast<std::uint64_t>(members.integer("dropped", 0, kMaxInteger));
   return members.finish<HomeMessage>(frame);
 }
 
@@ -162,7 +162,7 @@ Expected<Seen> read_seen(const OrderedJson& json) {
   Members members(json);
   Seen seen;
   seen.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
-  seen.verdict = members.text("verdict");
+  seen.room_decision = members.text("verdict");
   seen.room = members.text("room");
   seen.probability = members.number("probability", 0, 1);
   seen.why = members.text("why", kMaxSentenceBytes);
@@ -191,9 +191,9 @@ Expected<HomeMessage> read_goal_bearing(const OrderedJson& json) {
 Expected<HomeMessage> read_prompt(const OrderedJson& json) {
   Members members(json);
   PromptMessage prompt;
-  if (members.has("answer_to")) prompt.answer_to = members.whole("answer_to", 0, kMaxWhole);
-  prompt.key = members.text("key");
-  prompt.message = members.text("message");
+  if (members.has("answer_to")) prompt.answer_to = members.integer("answer_to", 0, kMaxInteger);
+  prompt.replace_key = members.text("key");
+  prompt.message_id = members.text("message");
   prompt.text = members.text("text", kMaxSentenceBytes);
   prompt.language = members.text("language");
   prompt.priority = members.text("priority");
@@ -210,10 +210,10 @@ Expected<HomeMessage> read_prompt(const OrderedJson& json) {
 Expected<HomeMessage> read_recording(const OrderedJson& json) {
   Members members(json);
   RecordingState recording;
-  recording.device = members.whole("device", 0, kMaxWhole);
+  recording.device = members.integer("device", 0, kMaxInteger);
   recording.state = members.text("state");
   recording.name = members.text("name");
-  recording.frames = static_cast<std::uint64_t>(members.whole("frames", 0, kMaxWhole));
+  recording.frames = static_cast<std::uint64_t>(members.integer("frames", 0, kMaxInteger));
   recording.text = members.text("text", kMaxSentenceBytes);
   return members.finish<HomeMessage>(std::move(recording));
 }
@@ -231,7 +231,7 @@ Expected<HomeMessage> read_job(const OrderedJson& json) {
   if (const OrderedJson* const values = members.object("values")) {
     Members numbers(*values);
     for (const auto& [name, value] : values->items()) {
-      job.values[name] = numbers.whole(name.c_str(), 0, kMaxWhole);
+      job.values[name] = numbers.integer(name.c_str(), 0, kMaxInteger);
     }
     if (numbers.error()) return Unexpected(Error(*numbers.error()));
   }
@@ -241,9 +241,9 @@ Expected<HomeMessage> read_job(const OrderedJson& json) {
 Expected<HomeMessage> read_device_seen(const OrderedJson& json) {
   Members members(json);
   DeviceSeen device;
-  device.device = members.whole("device", 0, kMaxWhole);
+  device.device = members.integer("device", 0, kMaxInteger);
   device.name = members.text("name");
-  device.online = members.yes_or_no("online");
+  device.online = members.boolean("online");
   if (members.has("seen")) {
     if (const OrderedJson* const seen = members.object("seen")) {
       ROOMWISE_TRY(device.seen, read_seen(*seen));
@@ -291,10 +291,10 @@ Expected<WatchedWalk> read_watched_walk(const OrderedJson& json) {
 Expected<HomeMessage> read_watched(const OrderedJson& json) {
   Members members(json);
   WatchedDevice watched;
-  watched.device = members.whole("device", -kMaxWhole, kMaxWhole);
+  watched.device = members.integer("device", -kMaxInteger, kMaxInteger);
   watched.name = members.text("name");
   watched.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
-  watched.may_watch = members.yes_or_no("may_watch");
+  watched.may_watch = members.boolean("may_watch");
   if (members.has("walk")) {
     if (const OrderedJson* const walk = members.object("walk")) {
       ROOMWISE_TRY(watched.walk, read_watched_walk(*walk));
@@ -307,7 +307,7 @@ Expected<HomeMessage> read_error(const OrderedJson& json) {
   Members members(json);
   ErrorMessage error;
   error.text = members.text("text", kMaxSentenceBytes);
-  if (members.has("answer_to")) error.answer_to = members.whole("answer_to", 0, kMaxWhole);
+  if (members.has("answer_to")) error.answer_to = members.integer("answer_to", 0, kMaxInteger);
   return members.finish<HomeMessage>(std::move(error));
 }
 

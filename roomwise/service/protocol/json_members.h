@@ -17,9 +17,9 @@ namespace roomwise::service {
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr double kMaxTime_ms = 9e12;  // 300 years
-constexpr std::int64_t kMaxWhole = std::int64_t{1}
-                                   << 53U;  // what a double holds, as JavaScript has it
-constexpr std::size_t kMaxWordBytes = 200;  // of a name, a thing, a room
+constexpr std::int64_t kMaxInteger = std::int64_t{1}
+                                     << 53U;  // what a double holds, as JavaScript has it
+constexpr std::size_t kMaxWordBytes = 200;    // of a name, a thing, a room
 constexpr std::size_t kMaxSentenceBytes = 2'000;
 
 // What a value is called in a message.
@@ -65,7 +65,7 @@ class Members {
     }
     return number;
   }
-  std::int64_t whole(const char* name, std::int64_t least, std::int64_t most) {
+  std::int64_t integer(const char* name, std::int64_t least, std::int64_t most) {
     const OrderedJson* value = member(name);
     if (value == nullptr) return 0;
     const bool fits = value->is_number_unsigned()
@@ -76,7 +76,7 @@ class Members {
     }
     return value->get<std::int64_t>();
   }
-  bool yes_or_no(const char* name) {
+  bool boolean(const char* name) {
     const OrderedJson* value = member(name);
     if (value == nullptr) return false;
     if (!value->is_boolean()) return wrong(name, "true or false"), false;

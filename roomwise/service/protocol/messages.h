@@ -189,8 +189,8 @@ struct Welcome {
   std::string role;
   std::vector<std::string> rooms;
   std::vector<std::string> things;
-  bool sees_rooms = false;              // rooms were learned
-  bool sees_places = false;             // there is a map to find places on
+  bool has_room_classifier = false;     // rooms were learned
+  bool can_localize = false;            // there is a map to find places on
   std::vector<std::string> spots = {};  // that were marked, as far as this device may know
   std::vector<ThingInRooms> things_in_rooms = {};  // of the things those that must be told apart
 };
@@ -208,8 +208,8 @@ struct SeenPosition {
 
 struct Seen {
   double t_ms = 0;
-  std::string verdict;  // rooms::to_string(Verdict)
-  std::string room;     // the likeliest
+  std::string room_decision;  // rooms::to_string(Verdict)
+  std::string room;           // the likeliest
   double probability = 0;
   std::string why;
   std::optional<SeenPosition> position;
@@ -225,7 +225,9 @@ struct GoalBearing {
 
 struct PromptMessage {
   std::optional<std::int64_t> answer_to;
-  std::string key, message, text, language, priority, confidence, sound, because;
+  std::string replace_key;  // guide::Prompt has these: it replaces what waits of the same key
+  std::string message_id;   // its name in the catalogue
+  std::string text, language, priority, confidence, sound, because;
   std::optional<double> based_on_t_ms;
   double valid_until_t_ms = 0;
 };

@@ -139,8 +139,8 @@ TEST(Messages, WhatTheComputerSaysComesBack) {
   EXPECT_THAT(welcome.things_in_rooms, ElementsAre(chair));
   EXPECT_EQ(welcome.home, "Our flat");
   EXPECT_THAT(welcome.rooms, ElementsAre("bath"));
-  EXPECT_TRUE(welcome.sees_rooms);
-  EXPECT_FALSE(welcome.sees_places);
+  EXPECT_TRUE(welcome.has_room_classifier);
+  EXPECT_FALSE(welcome.can_localize);
 
   const Seen seen{12.5, "room", "kitchen", 0.98, "looks like it", SeenPosition{1, 2, 3, 90, 0.05}};
   const auto seen_back = read_back_home<Seen>(seen);

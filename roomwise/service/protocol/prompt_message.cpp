@@ -19,8 +19,8 @@ Expected<Value> named(const std::string& text, const std::array<Value, N>& value
 
 PromptMessage message_of(const guide::Prompt& prompt) {
   PromptMessage message;
-  message.key = prompt.key;
-  message.message = prompt.message;
+  message.replace_key = prompt.replace_key;
+  message.message_id = prompt.message_id;
   message.text = prompt.text;
   message.language = prompt.language;
   message.priority = to_string(prompt.priority);
@@ -36,8 +36,8 @@ Expected<guide::Prompt> prompt_of(const PromptMessage& message) {
   using guide::Priority;
   using guide::Sound;
   guide::Prompt prompt;
-  prompt.key = message.key;
-  prompt.message = message.message;
+  prompt.replace_key = message.replace_key;
+  prompt.message_id = message.message_id;
   prompt.text = message.text;
   prompt.language = message.language;
   prompt.because = message.because;
