@@ -212,7 +212,7 @@ class HouseServer {
                            }});
     service::StaffRoutesContext staff;
     staff.homes = [this] { return house_->names(); };
-    staff.left = [this](std::int64_t account) { disconnect_staff(account); };
+    staff.on_signed_out = [this](std::int64_t account) { disconnect_staff(account); };
     staff.log = [this](std::string_view line) { log_.write(line); };
     std::ranges::move(service::staff_routes(*accounts_, std::move(staff)),
                       std::back_inserter(house.front));
@@ -224,7 +224,7 @@ class HouseServer {
 
   // Among who did what; where that cannot be written, in the log.
   void note(const live::HouseAct& act) {
-    const bool is_staff = act.who.device < 0;
+    const bool is_staff = act.who.is_account();
     const service::AuditLine line{
         seconds_since_1970(),
         is_staff ? act.who.name : fmt::format("device {} ({})", act.who.device, act.who.name),
@@ -240,7 +240,8 @@ class HouseServer {
 
   void disconnect_staff(std::int64_t account) {
     for (const std::string& home : house_->open_homes()) {
-      server_->disconnect(service::DeviceOfHome{home, -account}, "signed out");
+      server_->disconnect(
+          service::DeviceOfHome{home, service::Identity::device_of_account(account)}, "signed out");
     }
   }
 

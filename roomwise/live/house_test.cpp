@@ -584,8 +584,10 @@ TEST_F(HouseTest, WhoIsKnownToTheHouseMayWhatTheHouseSays) {
                          const auto& home) -> Expected<std::optional<service::Identity>> {
         if (request.header("cookie").find("staff=anna") == std::string_view::npos)
           return std::nullopt;
-        if (home == "flat-1") return service::Identity{-1, "Anna", Role::kHelper};
-        if (home == "flat-2") return service::Identity{-1, "Anna", Role::kDevice};
+        if (home == "flat-1")
+          return service::Identity{service::Identity::device_of_account(1), "Anna", Role::kHelper};
+        if (home == "flat-2")
+          return service::Identity{service::Identity::device_of_account(1), "Anna", Role::kDevice};
         if (home == "flat-3") return fail("the accounts are away");
         return std::nullopt;
       }});

@@ -272,7 +272,7 @@ TEST_P(AccountStoreTest, TheStaffsRequestsSignInListHomesAndSignOut) {
   StaffRoutesContext context;
   context.clock = [] { return kNow; };
   context.homes = [] { return std::vector<std::string>{"flat-1", "flat-2"}; };
-  context.left = [&](std::int64_t account) { left = account; };
+  context.on_signed_out = [&](std::int64_t account) { left = account; };
   const Router router(staff_routes(*store_, std::move(context)));
   const auto ask = [&](const char* method, const char* path, const std::string& body,
                        const std::string& cookie) {

@@ -16,11 +16,15 @@ enum class Role {
 [[nodiscard]] std::string_view to_string(Role role);  // "device", "helper"
 [[nodiscard]] std::optional<Role> parse_role(std::string_view text);
 
-// A client that is paired.
+// A client that is paired, or one of the staff of who keeps many homes.
 struct Identity {
-  std::int64_t device = 0;  // its number, never given twice in one home
+  std::int64_t device = 0;  // its number, never given twice in one home; of staff below 0
   std::string name;         // "Anna's phone"
   Role role = Role::kDevice;
+
+  // Staff have an account in place of a device. Its number below zero is no paired device's.
+  [[nodiscard]] static std::int64_t device_of_account(std::int64_t account) { return -account; }
+  [[nodiscard]] bool is_account() const { return device < 0; }
 
   bool operator==(const Identity&) const = default;
 };

@@ -291,6 +291,7 @@ Expected<WatchedWalk> read_watched_walk(const OrderedJson& json) {
 Expected<HomeMessage> read_watched(const OrderedJson& json) {
   Members members(json);
   WatchedDevice watched;
+  // Below 0: somebody of the staff (Identity::device_of_account).
   watched.device = members.integer("device", -kMaxInteger, kMaxInteger);
   watched.name = members.text("name");
   watched.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);

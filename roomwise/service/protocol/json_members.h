@@ -17,9 +17,9 @@ namespace roomwise::service {
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr double kMaxTime_ms = 9e12;  // 300 years
-constexpr std::int64_t kMaxInteger = std::int64_t{1}
-                                     << 53U;  // what a double holds, as JavaScript has it
-constexpr std::size_t kMaxWordBytes = 200;    // of a name, a thing, a room
+// What a double holds, as JavaScript has it.
+constexpr std::int64_t kMaxInteger = std::int64_t{1} << 53U;
+constexpr std::size_t kMaxWordBytes = 200;  // of a name, a thing, a room
 constexpr std::size_t kMaxSentenceBytes = 2'000;
 
 // What a value is called in a message.

@@ -225,7 +225,7 @@ struct GoalBearing {
 
 struct PromptMessage {
   std::optional<std::int64_t> answer_to;
-  std::string replace_key;  // guide::Prompt has these: it replaces what waits of the same key
+  std::string replace_key;  // what it is about: it replaces a prompt of the same key that waits
   std::string message_id;   // its name in the catalogue
   std::string text, language, priority, confidence, sound, because;
   std::optional<double> based_on_t_ms;

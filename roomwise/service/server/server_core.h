@@ -80,8 +80,9 @@ class TableEntry {
 void serve_http(const std::shared_ptr<ServerCore>& core, asio::ip::tcp::socket socket,
                 const std::string& peer);
 
-// Whose a WebSocket is, and who hears it: the home stays open as long as this is held.
-struct SocketOwner {
+// The client of a WebSocket: who it is, what hears it, and its home, which stays open as long as
+// this is held.
+struct SocketClient {
   std::shared_ptr<ServedHome> home;
   SocketHandler* sockets = nullptr;
   Identity who;
@@ -89,6 +90,6 @@ struct SocketOwner {
 
 // Goes on with a connection whose request asks for a WebSocket and may have one.
 void serve_socket(std::shared_ptr<TableEntry> entry, TlsStream stream, BeastRequest request,
-                  SocketOwner owner, std::string peer);
+                  SocketClient client, std::string peer);
 
 }  // namespace roomwise::service

@@ -51,15 +51,15 @@ class Outbox final : public SocketOut, public std::enable_shared_from_this<Outbo
 class SocketConnection final : public Connection,
                                public std::enable_shared_from_this<SocketConnection> {
  public:
-  SocketConnection(std::shared_ptr<TableEntry> entry, TlsStream stream, SocketOwner owner,
+  SocketConnection(std::shared_ptr<TableEntry> entry, TlsStream stream, SocketClient client,
                    std::string peer)
       : entry_(std::move(entry)),
         core_(entry_->core()),
-        owner_(std::move(owner)),
-        who_(owner_.who),
-        known_as_(owner_.home->name().empty()
+        client_(std::move(client)),
+        who_(client_.who),
+        known_as_(client_.home->name().empty()
                       ? fmt::format("device {}", who_.device)
-                      : fmt::format("{}: device {}", owner_.home->name(), who_.device)),
+                      : fmt::format("{}: device {}", client_.home->name(), who_.device)),
         peer_(std::move(peer)),
         stream_(std::move(stream)),
         buffer_(core_.options.limits.message_bytes),
@@ -135,7 +135,7 @@ class SocketConnection final : public Connection,
     }
     await_hello();
     on_session([self = shared_from_this()] {
-      self->session_ = self->owner_.sockets->connect(self->who_, self->out_);
+      self->session_ = self->client_.sockets->connect(self->who_, self->out_);
       if (!self->session_) self->out_->close("unavailable");
     });
     flush();
@@ -263,7 +263,7 @@ class SocketConnection final : public Connection,
 
   std::shared_ptr<TableEntry> entry_;
   ServerCore& core_;
-  const SocketOwner owner_;  // before what it keeps open
+  const SocketClient client_;  // before what it keeps open
   const Identity who_;
   const std::string known_as_;  // in the log
   const std::string peer_;
@@ -326,11 +326,11 @@ void Outbox::sent(std::size_t bytes) {
 }  // namespace
 
 void serve_socket(std::shared_ptr<TableEntry> entry, TlsStream stream, BeastRequest request,
-                  SocketOwner owner, std::string peer) {
+                  SocketClient client, std::string peer) {
   ServerCore& core = entry->core();
   const ConnectionTable::Number number = entry->number();
   auto connection = std::make_shared<SocketConnection>(std::move(entry), std::move(stream),
-                                                       std::move(owner), std::move(peer));
+                                                       std::move(client), std::move(peer));
   core.table.set(number, connection);
   connection->start(std::move(request));
 }

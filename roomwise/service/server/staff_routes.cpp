@@ -41,7 +41,7 @@ class StaffDesk {
       return refusal_answer(refusal);
     }
     note({now.unix_s, session->account.name, "", "signed in", "done", request.peer});
-    HttpAnswer answer = json_answer(told(session->account));
+    HttpAnswer answer = json_answer(account_json(session->account));
     set_staff_cookie(answer, session->token, kStaffSession_s);
     return answer;
   }
@@ -56,7 +56,7 @@ class StaffDesk {
       }
       if (*account) {
         note({now.unix_s, (*account)->name, "", "signed out", "done", request.peer});
-        context_.left((*account)->id);
+        context_.on_signed_out((*account)->id);
       }
     }
     HttpAnswer answer = json_answer(StaffJson::object());
@@ -70,12 +70,12 @@ class StaffDesk {
     const auto account = accounts_.who(*token, context_.clock());
     if (!account) return unavailable(account.error().message);
     if (!*account) return error_answer(401, "sign in first");
-    return json_answer(told(**account));
+    return json_answer(account_json(**account));
   }
 
  private:
   // The homes that are there and that they may open.
-  [[nodiscard]] StaffJson told(const Account& account) const {
+  [[nodiscard]] StaffJson account_json(const Account& account) const {
     StaffJson homes = StaffJson::array();
     for (const std::string& home : context_.homes()) {
       const auto role = account.homes.find(home);
@@ -128,7 +128,7 @@ Expected<std::optional<Identity>> staff_in_home(AccountStore& accounts, const Ht
   if (!account) return std::nullopt;
   const auto role = account->homes.find(home);
   if (role == account->homes.end()) return std::nullopt;
-  return Identity{-account->id, account->name, role->second};
+  return Identity{Identity::device_of_account(account->id), account->name, role->second};
 }
 
 }  // namespace roomwise::service

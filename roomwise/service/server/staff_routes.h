@@ -14,7 +14,7 @@ struct StaffRoutesContext {
   std::function<Now()> clock = Now::read;
   std::function<std::vector<std::string>()> homes;  // that are there, by name
   // Somebody signed out, or may do less: their WebSockets end. On a worker.
-  std::function<void(std::int64_t account)> left = [](std::int64_t) {};
+  std::function<void(std::int64_t account)> on_signed_out = [](std::int64_t) {};
   std::function<void(std::string_view line)> log = [](std::string_view) {};
 };
 
@@ -22,8 +22,8 @@ struct StaffRoutesContext {
 // many homes, as docs/protocol.md describes them. `accounts` must outlive them.
 [[nodiscard]] std::vector<Route> staff_routes(AccountStore& accounts, StaffRoutesContext context);
 
-// Who somebody of the staff is in that home, by the cookie of their session: a device with the
-// account's number below zero, which no paired device has. Nothing where they may not open it.
+// Who somebody of the staff is in that home, by the cookie of their session: a device by
+// Identity::device_of_account(). Nothing where they may not open it.
 [[nodiscard]] Expected<std::optional<Identity>> staff_in_home(AccountStore& accounts,
                                                               const HttpRequest& request,
                                                               const std::string& home,
