@@ -181,7 +181,7 @@ Expected<Home> Home::create(const std::filesystem::path& path, const OpenOptions
     Home home(std::move(lock), std::move(database));
     if (options.passphrase) {
       ROOMWISE_RETURN_IF_ERROR(
-          home.begin_protection(*options.passphrase, ProtectionState::kSealed, {}));
+          home.begin_protection(*options.passphrase, ProtectionState::kEncrypted, {}));
     }
     return home;
   };
@@ -218,9 +218,9 @@ Expected<Home> Home::another_reader() const {
   ROOMWISE_TRY(Database database, open_for_reading(file()));
   ROOMWISE_RETURN_IF_ERROR(configure(database));
   Home reader(std::nullopt, std::move(database));
-  reader.protected_ = protected_;
+  reader.is_protected_ = is_protected_;
   reader.cipher_ = cipher_;
-  reader.protection_ = protection_;
+  reader.protection_state_ = protection_state_;
   return reader;
 }
 

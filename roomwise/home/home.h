@@ -502,9 +502,9 @@ class Home {
   [[nodiscard]] Expected<bool> owes_erasing() const;
 
   // ---- protection of the pictures ----
-  [[nodiscard]] bool is_protected() const { return protected_; }
+  [[nodiscard]] bool is_protected() const { return is_protected_; }
   // Whether pictures cannot be read nor written: it was opened without its passphrase.
-  [[nodiscard]] bool is_locked() const { return protected_ && !cipher_; }
+  [[nodiscard]] bool is_locked() const { return is_protected_ && !cipher_; }
   // Says how the passphrase is given.
   [[nodiscard]] Error locked_error() const;
   // Seals every picture and writes the file anew, so that nothing of them stays in it. Of a home
@@ -554,9 +554,9 @@ class Home {
 
   std::optional<WriterLock> lock_;  // outlives the database; empty for a reader
   Database database_;
-  bool protected_ = false;
+  bool is_protected_ = false;            // the file holds the cipher's key
   std::optional<PictureCipher> cipher_;  // of a protected home that was opened with its passphrase
-  ProtectionState protection_ = ProtectionState::kSealed;  // meaningful beside a cipher
+  ProtectionState protection_state_ = ProtectionState::kEncrypted;  // known beside a cipher
 };
 
 }  // namespace roomwise::home

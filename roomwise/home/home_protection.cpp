@@ -39,7 +39,7 @@ Expected<Home> Home::with_protection_state(Home home, const OpenOptions& options
   ROOMWISE_TRY(const auto wrapped,
                home.database_.find<std::string>("SELECT value FROM settings WHERE key = ?",
                                                 kProtectionSetting));
-  home.protected_ = wrapped.has_value();
+  home.is_protected_ = wrapped.has_value();
   if (!options.passphrase) return home;
   if (!wrapped) {
     return fail(
@@ -50,7 +50,7 @@ Expected<Home> Home::with_protection_state(Home home, const OpenOptions& options
   ROOMWISE_TRY(auto unwrapped,
                in_context(home.file(), unwrap_cipher(*wrapped, *options.passphrase)));
   home.cipher_ = std::move(unwrapped.cipher);
-  home.protection_ = unwrapped.state;
+  home.protection_state_ = unwrapped.state;
   return home;
 }
 
@@ -59,35 +59,35 @@ Expected<void> Home::begin_protection(const Passphrase& passphrase, ProtectionSt
   PictureCipher cipher = cipher_ ? *cipher_ : PictureCipher::create();
   ROOMWISE_TRY(const auto wrapped, in_context(file(), cipher.wrap(passphrase, state, cost)));
   ROOMWISE_RETURN_IF_ERROR(database_.put("settings (key, value)", kProtectionSetting, wrapped));
-  protected_ = true;
+  is_protected_ = true;
   cipher_ = std::move(cipher);
-  protection_ = state;
+  protection_state_ = state;
   return {};
 }
 
 Expected<std::size_t> Home::protect(const Passphrase& passphrase, const PassphraseCost& cost) {
   if (is_locked()) return Unexpected(locked_error());
-  if (protected_ && protection_ == ProtectionState::kSealed) {
-    ROOMWISE_RETURN_IF_ERROR(begin_protection(passphrase, ProtectionState::kSealed, cost));
+  if (is_protected_ && protection_state_ == ProtectionState::kEncrypted) {
+    ROOMWISE_RETURN_IF_ERROR(begin_protection(passphrase, ProtectionState::kEncrypted, cost));
     return 0;
   }
-  ROOMWISE_RETURN_IF_ERROR(begin_protection(passphrase, ProtectionState::kSealing, cost));
+  ROOMWISE_RETURN_IF_ERROR(begin_protection(passphrase, ProtectionState::kEncrypting, cost));
   // By these anybody could ask what the pictures show.
   ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM derived_data WHERE name = 'word_places'"));
   ROOMWISE_TRY(const std::size_t count, convert_pictures(/*to_sealed=*/true));
   // Only once nothing of them is left in the file are they said to be sealed.
   ROOMWISE_RETURN_IF_ERROR(erase_removed());
-  ROOMWISE_RETURN_IF_ERROR(begin_protection(passphrase, ProtectionState::kSealed, cost));
+  ROOMWISE_RETURN_IF_ERROR(begin_protection(passphrase, ProtectionState::kEncrypted, cost));
   return count;
 }
 
 Expected<std::size_t> Home::unprotect(const Passphrase& passphrase, const PassphraseCost& cost) {
   if (is_locked()) return Unexpected(locked_error());
-  if (!protected_) return fail("{}: its pictures are not protected", file());
-  ROOMWISE_RETURN_IF_ERROR(begin_protection(passphrase, ProtectionState::kOpening, cost));
+  if (!is_protected_) return fail("{}: its pictures are not protected", file());
+  ROOMWISE_RETURN_IF_ERROR(begin_protection(passphrase, ProtectionState::kDecrypting, cost));
   ROOMWISE_TRY(const std::size_t count, convert_pictures(/*to_sealed=*/false));
   ROOMWISE_RETURN_IF_ERROR(database_.run("DELETE FROM settings WHERE key = ?", kProtectionSetting));
-  protected_ = false;
+  is_protected_ = false;
   cipher_.reset();
   return count;
 }
@@ -148,7 +148,7 @@ Expected<Bytes> Home::decrypt_if_sealed(KeyframeId keyframe, PictureKind kind, B
   // A reader may have opened the home before a writer protected it.
   if (is_locked() || (!cipher_ && is_sealed(stored))) return Unexpected(locked_error());
   if (!cipher_) return stored;
-  if (!is_sealed(stored) && protection_ != ProtectionState::kSealed) return stored;
+  if (!is_sealed(stored) && protection_state_ != ProtectionState::kEncrypted) return stored;
   return in_context(file(), cipher_->open(keyframe, kind, stored));
 }
 

@@ -21,11 +21,11 @@ constexpr std::uint64_t kMaxMemoryBytes = std::uint64_t{2} << 30U;
 
 struct StateName {
   ProtectionState state;
-  std::string_view name;
+  std::string_view name;  // as homes store it
 };
-constexpr std::array kStateNames = {StateName{ProtectionState::kSealing, "sealing"},
-                                    StateName{ProtectionState::kSealed, "sealed"},
-                                    StateName{ProtectionState::kOpening, "opening"}};
+constexpr std::array kStateNames = {StateName{ProtectionState::kEncrypting, "sealing"},
+                                    StateName{ProtectionState::kEncrypted, "sealed"},
+                                    StateName{ProtectionState::kDecrypting, "opening"}};
 
 std::string_view name_of(ProtectionState state) {
   return std::ranges::find(kStateNames, state, &StateName::state)->name;

@@ -24,9 +24,9 @@ struct PassphraseCost {
 
 // Where protecting a home stands. What is between is left by a program that was killed.
 enum class ProtectionState {
-  kSealing,  // some pictures, or their remains in the file, are not sealed yet
-  kSealed,   // every picture is sealed
-  kOpening,  // protection is being taken away: some pictures are sealed
+  kEncrypting,  // some pictures, or their remains in the file, are not encrypted yet
+  kEncrypted,   // every picture is encrypted
+  kDecrypting,  // protection is being taken away: some pictures are encrypted
 };
 
 enum class PictureKind : std::uint8_t {
