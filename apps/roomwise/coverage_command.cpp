@@ -35,8 +35,8 @@ std::string in_words(const RoomOnWalk& one, const WalkWords& walks) {
 
 std::string at_place(const pipeline::FloorGap& gap) {
   return fmt::format("{}at {:.1f} {:.1f} m",
-                     gap.beside.empty() ? "" : "by the " + gap.beside + ", ",
-                     gap.middle_gravity.x(), gap.middle_gravity.y());
+                     gap.beside.empty() ? "" : "by the " + gap.beside + ", ", gap.middle_plan.x(),
+                     gap.middle_plan.y());
 }
 
 // What is missing, and what to do.
@@ -111,7 +111,7 @@ Json room_json(const RoomSeen& room, const WalkWords& walks) {
 Json gap_json(const std::optional<pipeline::FloorGap>& gap) {
   if (!gap) return nullptr;
   return {{"length_m", gap->length_m},
-          {"middle_m", {gap->middle_gravity.x(), gap->middle_gravity.y()}},
+          {"middle_m", {gap->middle_plan.x(), gap->middle_plan.y()}},
           {"unseen", gap->is_unseen},
           {"beside", word_or_null(gap->beside)}};
 }

@@ -75,7 +75,7 @@ Expected<pipeline::ThingTarget> find_target(const home::Home& home, const EditOp
     ROOMWISE_TRY(layout, pipeline::find_room_layout(home, floor.frame, *floor.grid));
   }
   pipeline::SaidPlace where{.height_m = options.height_m, .room = options.room};
-  if (!options.at_m.empty()) where.point_gravity = {options.at_m[0], options.at_m[1]};
+  if (!options.at_m.empty()) where.point_plan = {options.at_m[0], options.at_m[1]};
   return pipeline::target_of(home, floor.frame, layout ? &*layout : nullptr, where, name, before);
 }
 

@@ -24,16 +24,16 @@ struct LayoutOptions {
 // has at their middles.
 evaluation::FloorPlanView view_of(const pipeline::HomeLayout& home) {
   const fusion::FloorGrid& grid = home.grid;
-  const Eigen::Rotation2Dd turned_from_gravity(
+  const Eigen::Rotation2Dd turned_from_plan(
       -pipeline::drawing_direction_rad(grid, home.frame.storeys));
   Eigen::AlignedBox2d extent;
   const Eigen::Vector2d size = grid.cell_m() * Eigen::Vector2d(grid.columns(), grid.rows());
   for (const Eigen::Vector2d& corner :
        {Eigen::Vector2d(0, 0), Eigen::Vector2d(size.x(), 0), Eigen::Vector2d(0, size.y()), size}) {
-    extent.extend(turned_from_gravity * (grid.origin_m() + corner));
+    extent.extend(turned_from_plan * (grid.origin_m() + corner));
   }
-  const auto in_cells = [&](const Eigen::Vector2d& point_gravity) {
-    return Eigen::Vector2d((turned_from_gravity * point_gravity - extent.min()) / grid.cell_m());
+  const auto in_cells = [&](const Eigen::Vector2d& point_plan) {
+    return Eigen::Vector2d((turned_from_plan * point_plan - extent.min()) / grid.cell_m());
   };
   const Eigen::Array2i cells = (extent.sizes() / grid.cell_m()).array().ceil().max(1).cast<int>();
   evaluation::FloorPlanView view;
@@ -45,7 +45,7 @@ evaluation::FloorPlanView view_of(const pipeline::HomeLayout& home) {
       const Eigen::Vector2d middle =
           extent.min() + grid.cell_m() * Eigen::Vector2d(column + 0.5, row + 0.5);
       const Eigen::Array2i at =
-          ((turned_from_gravity.inverse() * middle - grid.origin_m()) / grid.cell_m())
+          ((turned_from_plan.inverse() * middle - grid.origin_m()) / grid.cell_m())
               .array()
               .floor()
               .cast<int>();
@@ -57,11 +57,11 @@ evaluation::FloorPlanView view_of(const pipeline::HomeLayout& home) {
     }
   }
   for (const rooms::RoomExtent& room : home.layout.rooms()) {
-    view.rooms.push_back({room.name, room.floor_m2, in_cells(room.middle_gravity)});
+    view.rooms.push_back({room.name, room.floor_m2, in_cells(room.middle_plan)});
   }
   for (const rooms::Doorway& doorway : home.layout.doorways()) {
     if (!doorway.is_door()) continue;
-    view.doors.push_back({in_cells(doorway.middle_gravity), doorway.is_walked});
+    view.doors.push_back({in_cells(doorway.middle_plan), doorway.is_walked});
   }
   return view;
 }
@@ -90,7 +90,7 @@ void add_storeys(const pipeline::HomeLayout& home, Answer& answer) {
     const fusion::Storey& storey = storeys.all()[i];
     std::string rooms;
     for (const rooms::RoomExtent& room : home.layout.rooms()) {
-      if (room.floor_m2 == 0 || storeys.at_plan(room.middle_gravity) != i) continue;
+      if (room.floor_m2 == 0 || storeys.at_plan(room.middle_plan) != i) continue;
       rooms += (rooms.empty() ? "" : ", ") + room.name;
     }
     answer.text += fmt::format("storey {}, {:.2f} m up: {}\n", i + 1, storey.floor_m, rooms);
@@ -129,23 +129,22 @@ Answer answer_of(const pipeline::HomeLayout& home) {
   answer.json = {{"rooms", Json::array()}, {"doorways", Json::array()}};
   for (const rooms::RoomExtent& room : home.layout.rooms()) {
     answer.text += fmt::format("{}: {:.1f} m2 of free floor\n", room.name, room.floor_m2);
-    answer.json["rooms"].push_back(
-        {{"name", room.name},
-         {"floor_m2", room.floor_m2},
-         {"middle_m", {room.middle_gravity.x(), room.middle_gravity.y()}},
-         {"neighbors", home.layout.neighbors(room.name)}});
+    answer.json["rooms"].push_back({{"name", room.name},
+                                    {"floor_m2", room.floor_m2},
+                                    {"middle_m", {room.middle_plan.x(), room.middle_plan.y()}},
+                                    {"neighbors", home.layout.neighbors(room.name)}});
     if (home.frame.storeys.are_several()) {
-      answer.json["rooms"].back()["storey"] = home.frame.storeys.at_plan(room.middle_gravity);
+      answer.json["rooms"].back()["storey"] = home.frame.storeys.at_plan(room.middle_plan);
     }
   }
   for (const rooms::Doorway& doorway : home.layout.doorways()) {
     if (doorway.is_stairs) continue;
     answer.text +=
         fmt::format("{} to {}: {}, at {:.1f} {:.1f} m\n", doorway.rooms[0], doorway.rooms[1],
-                    way_in_words(doorway), doorway.middle_gravity.x(), doorway.middle_gravity.y());
+                    way_in_words(doorway), doorway.middle_plan.x(), doorway.middle_plan.y());
     answer.json["doorways"].push_back(
         {{"rooms", doorway.rooms},
-         {"middle_m", {doorway.middle_gravity.x(), doorway.middle_gravity.y()}},
+         {"middle_m", {doorway.middle_plan.x(), doorway.middle_plan.y()}},
          {"width_m", doorway.width_m},
          {"door", doorway.is_door()},
          {"walked", doorway.is_walked}});

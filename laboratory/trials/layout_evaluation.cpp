@@ -70,7 +70,7 @@ void count_doors(const rooms::RoomLayout& layout, const PlanPair& plans, LayoutE
     ++result.doors;
     const Vector2d middle = plans.map_from_truth(plans.truth.world_from_plan(door.opening.center));
     const auto distance_m = [&](const rooms::Doorway* doorway) {
-      return doorway->rooms == names ? (doorway->middle_gravity - middle).norm()
+      return doorway->rooms == names ? (doorway->middle_plan - middle).norm()
                                      : std::numeric_limits<double>::infinity();
     };
     const auto nearest = std::ranges::min_element(left, {}, distance_m);

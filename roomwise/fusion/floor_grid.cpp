@@ -76,16 +76,16 @@ FloorGrid::FloorGrid(const Vector2d& origin_m, double cell_m, image::Image<Floor
   }
 }
 
-std::optional<FloorGrid::Place> FloorGrid::cell_of(const Vector2d& point_gravity) const {
-  const Eigen::Array2d cell = ((point_gravity - origin_m_) / cell_m_).array().floor();
+std::optional<FloorGrid::Place> FloorGrid::cell_of(const Vector2d& point_plan) const {
+  const Eigen::Array2d cell = ((point_plan - origin_m_) / cell_m_).array().floor();
   if (!(cell.x() >= 0 && cell.y() >= 0 && cell.x() < columns() && cell.y() < rows())) {
     return std::nullopt;
   }
   return Place{static_cast<int>(cell.x()), static_cast<int>(cell.y())};
 }
 
-FloorCell FloorGrid::at(const Vector2d& point_gravity) const {
-  const auto place = cell_of(point_gravity);
+FloorCell FloorGrid::at(const Vector2d& point_plan) const {
+  const auto place = cell_of(point_plan);
   return place ? at(place->column, place->row) : FloorCell::kUnknown;
 }
 
@@ -95,8 +95,8 @@ double FloorGrid::clearance_m(int column, int row) const {
                    static_cast<std::size_t>(column)]);
 }
 
-bool FloorGrid::fits(const Vector2d& point_gravity, double radius_m) const {
-  const auto place = cell_of(point_gravity);
+bool FloorGrid::fits(const Vector2d& point_plan, double radius_m) const {
+  const auto place = cell_of(point_plan);
   return place && fits(place->column, place->row, radius_m);
 }
 

@@ -26,10 +26,10 @@ struct FloorGridOptions {
   [[nodiscard]] Expected<void> validate() const;
 };
 
-// A home's floor from above, in cells: where nothing is in a person's way. It lies in the level
-// frame (see GravityAlignedFrame: z up, z = 0 the floor, metres). Cell (column, row) is the square
-// from origin_m + cell_m * (column, row) to origin_m + cell_m * (column + 1, row + 1): columns go
-// along x, rows along y. What lies outside the grid is unknown.
+// A home's floor from above, in cells: where nothing is in a person's way. It lies on
+// the plan, of one storey the gravity-aligned frame (see Storeys), metres. Cell (column, row) is
+// the square from origin_m + cell_m * (column, row) to origin_m + cell_m * (column + 1, row + 1):
+// columns go along x, rows along y. What lies outside the grid is unknown.
 class FloorGrid {
  public:
   // cells.at(column, row).
@@ -44,7 +44,7 @@ class FloorGrid {
   }
 
   [[nodiscard]] FloorCell at(int column, int row) const { return cells_.at(column, row); }
-  [[nodiscard]] FloorCell at(const Eigen::Vector2d& point_gravity) const;
+  [[nodiscard]] FloorCell at(const Eigen::Vector2d& point_plan) const;
   // From the middle of the cell to the nearest edge of an occupied one, give or take half a cell; 0
   // in it. Infinity where nothing is occupied.
   [[nodiscard]] double clearance_m(int column, int row) const;
@@ -53,7 +53,7 @@ class FloorGrid {
   [[nodiscard]] bool fits(int column, int row, double radius_m) const {
     return at(column, row) == FloorCell::kFree && clearance_m(column, row) >= radius_m;
   }
-  [[nodiscard]] bool fits(const Eigen::Vector2d& point_gravity, double radius_m) const;
+  [[nodiscard]] bool fits(const Eigen::Vector2d& point_plan, double radius_m) const;
   [[nodiscard]] std::size_t count(FloorCell state) const;
   [[nodiscard]] double area_m2(FloorCell state) const {
     return static_cast<double>(count(state)) * cell_m_ * cell_m_;
@@ -63,7 +63,7 @@ class FloorGrid {
   struct Place {
     int column, row;
   };
-  [[nodiscard]] std::optional<Place> cell_of(const Eigen::Vector2d& point_gravity) const;
+  [[nodiscard]] std::optional<Place> cell_of(const Eigen::Vector2d& point_plan) const;
 
   Eigen::Vector2d origin_m_;
   double cell_m_;

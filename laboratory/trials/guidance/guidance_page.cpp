@@ -39,7 +39,7 @@ class HomeDrawing {
   void draw(const GuidedWalk& walk) {
     if (walk.goal.outline) {
       const guide::Outline& goal = *walk.goal.outline;
-      outline({goal.middle_gravity, goal.size_m.cwiseMax(0.1) / 2, goal.yaw_rad, 0, 0},
+      outline({goal.middle_plan, goal.size_m.cwiseMax(0.1) / 2, goal.yaw_rad, 0, 0},
               "fill=\"#bfe3c0\" stroke=\"#2c7a2f\"");
     }
     std::vector<Vector2d> path;

@@ -181,9 +181,8 @@ class Walk {
   [[nodiscard]] std::vector<Prompt> list(const GuidedMap& map, const guide::Pose& pose,
                                          double now_s) const {
     const guide::Goal& goal = record_.goal.goal;
-    const auto route =
-        guide::find_route(map.floor, pose.position_gravity, goal.outline->middle_gravity, {},
-                          &map.layout, goal.room, map.storeys.stairs());
+    const auto route = guide::find_route(map.floor, pose.position_plan, goal.outline->middle_plan,
+                                         {}, &map.layout, goal.room, map.storeys.stairs());
     const TimestampNs now_ns = trial_ns(now_s);
     if (!route) return {guide::no_route_prompt(true, route.error().message, wording_, now_ns)};
     return guide::route_prompts(*route, pose, goal.noun, map.layout.doorways(), wording_, now_ns,

@@ -61,7 +61,7 @@ class GuidanceTrialTest : public ::testing::Test {
 TEST_F(GuidanceTrialTest, TheMapHasRoomsDoorAndThings) {
   EXPECT_EQ(map_->layout.rooms().size(), 2u);
   ASSERT_EQ(map_->layout.doorways().size(), 1u);
-  EXPECT_NEAR(map_->layout.doorways()[0].middle_gravity.x(), 4.06, 0.2);
+  EXPECT_NEAR(map_->layout.doorways()[0].middle_plan.x(), 4.06, 0.2);
   ASSERT_EQ(map_->things.size(), 1u);
   EXPECT_EQ(map_->things[0].room, "study");
 }

@@ -126,7 +126,7 @@ class GoalChooser {
       if (!shortest_m || *shortest_m < options_.min_way_m) continue;
       goal->shortest_m = *shortest_m;
       const Vector2d end = goal->outline
-                               ? goal->outline->middle_gravity
+                               ? goal->outline->middle_plan
                                : simulation::center(home_.model.rooms[*goal->room].interior);
       goal->is_over_stairs = home_.storeys.at_plan(end) != home_.storeys.at_plan(goal->start);
       goals.push_back(*std::move(goal));
@@ -171,7 +171,7 @@ class GoalChooser {
                     now->room};
     if (options_.by_name) goal.word = words_[i];
     constexpr double kMoved_m = 0.2;
-    if ((footprint.center - goal.goal.outline->middle_gravity).norm() > kMoved_m) {
+    if ((footprint.center - goal.goal.outline->middle_plan).norm() > kMoved_m) {
       return std::nullopt;
     }
     return goal;
@@ -207,7 +207,7 @@ class GoalChooser {
     goal.goal.kind = guide::Goal::Kind::kSpot;
     goal.goal.noun = {guide::Noun::Kind::kThing, "spot"};
     goal.goal.outline = guide::Outline{free_place()};
-    goal.goal.room = map_.layout.room_at(goal.goal.outline->middle_gravity);
+    goal.goal.room = map_.layout.room_at(goal.goal.outline->middle_plan);
     goal.outline = goal.goal.outline;
     return goal;
   }
@@ -340,7 +340,7 @@ Expected<GuidedMap> map_truth(const HomeModel& home,
     guide::KnownThing& thing = map.things.emplace_back();
     thing.name = objects[i].label;
     thing.probability = 1;
-    thing.position_gravity = objects[i].center_m;
+    thing.position_plan = objects[i].center_m;
     thing.box_keyframe.size_m = objects[i].size_m;
     thing.yaw_rad = objects[i].yaw_rad;
     thing.room = objects[i].room;

@@ -45,7 +45,7 @@ void ModelledSight::look(double now_s, const SimulatedWalker& walker) {
     }
   }
   pose_s_ = answer->at_s;
-  sightings_.add(answer->pose->position_gravity - answer->true_place,
+  sightings_.add(answer->pose->position_plan - answer->true_place,
                  guide::turn_rad(answer->true_heading_rad, answer->pose->heading_rad));
 }
 

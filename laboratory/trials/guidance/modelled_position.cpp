@@ -65,11 +65,11 @@ std::optional<ModelledPosition::Answer> ModelledPosition::look(double now_s,
                 random_.uniform() < model_.room_known_share};
   if (answers_) {
     guide::Pose pose{place, heading_rad, model_.sigma_m};
-    pose.position_gravity += model_.sigma_m * Eigen::Vector2d(random_.normal(), random_.normal());
+    pose.position_plan += model_.sigma_m * Eigen::Vector2d(random_.normal(), random_.normal());
     pose.heading_rad += model_.sigma_degrees * guide::kDegree_rad * random_.normal();
     if (random_.uniform() < model_.wrong_share) {
       constexpr double kFar_m = 4;
-      pose.position_gravity +=
+      pose.position_plan +=
           Eigen::Vector2d(random_.between(-kFar_m, kFar_m), random_.between(-kFar_m, kFar_m));
       pose.heading_rad += random_.between(-3, 3);
     }

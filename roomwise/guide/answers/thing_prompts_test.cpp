@@ -21,7 +21,7 @@ KnownThing at(const std::string& name, double x, double y, const std::string& ro
   thing.name = name;
   thing.probability = probability;
   thing.box_keyframe.size_m = Vector3d(0.6, 0.6, 0.6);
-  thing.position_gravity = Vector3d(x, y, 0.5);
+  thing.position_plan = Vector3d(x, y, 0.5);
   thing.room = room;
   return thing;
 }
@@ -290,7 +290,7 @@ KnownThing taught_mug() {
 TEST_F(ThingPromptsTest, OfAThingThatWasTaughtItIsSaidWhereItLiesAndWhenItWasSeen) {
   things_.front().name = "table";
   KnownThing mug = taught_mug();
-  mug.position_gravity->z() = 0.85;  // the table's top is at 0.8 m
+  mug.position_plan->z() = 0.85;  // the table's top is at 0.8 m
   mug.seen = CalendarTime{2026, 3, 2, 8};
   things_.push_back(mug);
   const auto prompts =
@@ -302,7 +302,7 @@ TEST_F(ThingPromptsTest, OfAThingThatWasTaughtItIsSaidWhereItLiesAndWhenItWasSee
 
 TEST_F(ThingPromptsTest, AThingThatWasTaughtAndNotSeenSinceIsSaidToBeSo) {
   KnownThing mug = taught_mug();
-  mug.position_gravity.reset();
+  mug.position_plan.reset();
   mug.room.reset();
   things_.push_back(mug);
   EXPECT_THAT(texts(where("my blue mug", standing_)),

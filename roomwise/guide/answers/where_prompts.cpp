@@ -179,7 +179,7 @@ std::vector<Prompt> where_prompts(const std::string& asked, const UserLocation& 
   const auto name = thing_meant(asked, things, vocabulary, wording.phrases());
   if (!name) return {unknown_thing(asked, wording, now_ns)};
   const auto own = std::ranges::find(things, *name, &KnownThing::name);
-  if (own->is_taught && !own->room && !own->position_gravity && !own->seen) {
+  if (own->is_taught && !own->room && !own->position_plan && !own->seen) {
     return {make_prompt(wording, key_of(*name), "where.not_seen", {{"thing", thing(*name)}},
                         Confidence::kUnsure, after(now_ns, kHomeValid_s),
                         "it was taught, and no picture has shown it since")};

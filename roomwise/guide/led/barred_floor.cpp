@@ -43,7 +43,7 @@ void BarredFloor::bar_seen(std::span<const Vector2d> obstacles, TimestampNs now_
   std::vector<BarredPlace> unknown;
   for (const Vector2d& obstacle : obstacles) {
     for (BarredPlace& known : places_) {
-      if ((known.middle_gravity - obstacle).norm() < known.radius_m + kSquare_m) {
+      if ((known.middle_plan - obstacle).norm() < known.radius_m + kSquare_m) {
         known.until_ns = until_ns;
       }
     }
@@ -81,12 +81,12 @@ void BarredFloor::mark_places() {
 }
 
 bool BarredFloor::was_barred_at(const Pose& pose) const {
-  return tried_at_ && (*tried_at_ - pose.position_gravity).norm() < kHand_m;
+  return tried_at_ && (*tried_at_ - pose.position_plan).norm() < kHand_m;
 }
 
 void BarredFloor::count_try(const Pose& pose) {
   tries_ = was_barred_at(pose) ? tries_ + 1 : 1;
-  tried_at_ = pose.position_gravity;
+  tried_at_ = pose.position_plan;
 }
 
 double BarredFloor::narrow_m_at(const Vector2d& here, double narrow_radius_m) const {
@@ -98,7 +98,7 @@ double BarredFloor::freer_side(const Pose& pose) const {
   const auto room_m = [&](double side) {
     const double heading = pose.heading_rad + side * 30 * kDegree_rad;
     const Vector2d place =
-        pose.position_gravity + kAhead_m * Vector2d(std::cos(heading), std::sin(heading));
+        pose.position_plan + kAhead_m * Vector2d(std::cos(heading), std::sin(heading));
     double clear_m = 0;
     while (clear_m < kAhead_m && grid()->fits(place, clear_m)) clear_m += map_->cell_m();
     return clear_m;

@@ -11,7 +11,7 @@ namespace roomwise::guide {
 
 // Where somebody came upon what the map does not know, m, and until when that counts.
 struct BarredPlace {
-  Eigen::Vector2d middle_gravity = Eigen::Vector2d::Zero();
+  Eigen::Vector2d middle_plan = Eigen::Vector2d::Zero();
   double radius_m = 0;
   TimestampNs until_ns = 0;
 };

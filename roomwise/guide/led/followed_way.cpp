@@ -38,7 +38,7 @@ void FollowedWay::reach_out() {
   if (goal_.kind == Goal::Kind::kRoom) return;
   const double body_m = goal_.kind == Goal::Kind::kDoor ? 0 : options_.body_radius_m;
   const Vector2d from = has_legs() ? legs_.back().to : plan_.route.back();
-  const Vector2d towards = plan_.touch_gravity - from;
+  const Vector2d towards = plan_.touch_plan - from;
   double further_m = std::min(towards.norm() - body_m, kHand_m / 2);
   const auto end = [&] { return Vector2d(from + further_m * towards.normalized()); };
   // As far as the body fits; the rest is for a hand.
@@ -57,7 +57,7 @@ void FollowedWay::reach_out() {
 // lead: who then went straight to its end would touch them. First a step to where the way is clear.
 void FollowedWay::step_clear(const Pose& pose, const BarredFloor& floor) {
   if (!has_legs() || leg().stairs) return;
-  const Vector2d& here = pose.position_gravity;
+  const Vector2d& here = pose.position_plan;
   const double narrow_m = floor.narrow_m_at(here, options_.plan.narrow_radius_m);
   const auto is_clear_to = [&](const Vector2d& place) {
     return is_clear(*floor.grid(), here, place, narrow_m);
@@ -86,8 +86,7 @@ void FollowedWay::step_clear(const Pose& pose, const BarredFloor& floor) {
 bool FollowedWay::may_skip_leg(const Pose& pose, const BarredFloor& floor) const {
   if (to_end_m(pose) > kHand_m || leg().ends_at_door()) return false;
   if (goes_over_stairs_next()) return false;  // one begins them where they begin
-  return is_clear(*floor.grid(), pose.position_gravity, next_leg().to,
-                  options_.plan.narrow_radius_m);
+  return is_clear(*floor.grid(), pose.position_plan, next_leg().to, options_.plan.narrow_radius_m);
 }
 
 std::span<const fusion::Staircase> FollowedWay::home_stairs() const {
@@ -124,18 +123,18 @@ Vector2d FollowedWay::next_place() const {
 }
 
 double FollowedWay::left_on_leg_m(const Pose& pose) const {
-  return leg().stairs ? leg().length_m : (leg().to - pose.position_gravity).dot(leg().along());
+  return leg().stairs ? leg().length_m : (leg().to - pose.position_plan).dot(leg().along());
 }
 
 double FollowedWay::bearing_error_rad(const Pose& pose) const {
   // So near to its end, its own direction says more than that of a point underfoot.
   const bool is_near = leg().stairs || to_end_m(pose) < 2 * kLegEnd_m;
   return turn_rad(pose.heading_rad,
-                  is_near ? leg().heading_rad() : heading_to(pose.position_gravity, leg().to));
+                  is_near ? leg().heading_rad() : heading_to(pose.position_plan, leg().to));
 }
 
 bool FollowedWay::is_off(const Pose& pose) const {
-  const Vector2d along = leg().along(), aside = pose.position_gravity - leg().from;
+  const Vector2d along = leg().along(), aside = pose.position_plan - leg().from;
   const double beside_m = std::abs(along.x() * aside.y() - along.y() * aside.x());
   return beside_m > options_.off_way_m ||
          std::abs(bearing_error_rad(pose)) > options_.off_way_degrees * kDegree_rad;
@@ -157,7 +156,7 @@ std::optional<double> FollowedWay::unseen_step_m(const Pose& last, std::optional
   if (leg().stairs || goes_over_stairs_next()) return std::nullopt;
   // Two steps, or what is left of the leg where that is less.
   const double step_m = std::min(to_end_m(last), kHand_m + kLegEnd_m);
-  const Vector2d& here = last.position_gravity;
+  const Vector2d& here = last.position_plan;
   const Vector2d end = here + step_m * (leg().to - here).normalized();
   const auto is_near = [&](const Vector2d& place) { return (place - end).norm() < 2 * kHand_m; };
   const bool is_near_stairs = std::ranges::any_of(home_stairs(), [&](const auto& stairs) {
@@ -175,7 +174,7 @@ std::optional<double> FollowedWay::unseen_step_m(const Pose& last, std::optional
 
 bool FollowedWay::is_in_goal_room(const Pose& pose) const {
   return map_.layout == nullptr || !goal_.room || goal_.kind == Goal::Kind::kDoor ||
-         map_.room_at(pose.position_gravity) == goal_.room;
+         map_.room_at(pose.position_plan) == goal_.room;
 }
 
 bool FollowedWay::has_arrived(const Pose& pose, bool is_standing) {
@@ -183,25 +182,25 @@ bool FollowedWay::has_arrived(const Pose& pose, bool is_standing) {
     at_goal_by_.reset();
     return false;
   }
-  if (!at_goal_by_) at_goal_by_ = pose.position_gravity;
-  return *at_goal_by_ != pose.position_gravity || is_standing;
+  if (!at_goal_by_) at_goal_by_ = pose.position_plan;
+  return *at_goal_by_ != pose.position_plan || is_standing;
 }
 
 bool FollowedWay::is_at_goal(const Pose& pose) const {
   if (!leads_to_goal() || !is_in_goal_room(pose)) return false;
   const Vector2d& end = has_legs() ? legs_.back().to : plan_.route.back();
-  const double to_end_m = (end - pose.position_gravity).norm();
+  const double to_end_m = (end - pose.position_plan).norm();
   // Not from where it is the next room to some.
   const bool may_be_between = map_.layout == nullptr || !goal_.room ||
                               goal_.kind == Goal::Kind::kDoor ||
                               !is_well_inside(map_, *goal_.room, end);
-  if (!may_be_between && !is_well_inside(map_, *goal_.room, pose.position_gravity)) return false;
+  if (!may_be_between && !is_well_inside(map_, *goal_.room, pose.position_plan)) return false;
   // Anywhere beyond the door is in the room, but who stands in the door is not.
   if (goal_.kind == Goal::Kind::kRoom) {
     return to_end_m < kAtEnd_m ||
            std::ranges::all_of(map_.doorways, [&](const rooms::Doorway& doorway) {
              return !doorway.joins(*goal_.room) ||
-                    (doorway.place_in(*goal_.room) - pose.position_gravity).norm() > kBeyondDoor_m;
+                    (doorway.place_in(*goal_.room) - pose.position_plan).norm() > kBeyondDoor_m;
            });
   }
   // What stands on something is reached from where the way ends; a spot is stood on, and so is what
@@ -209,13 +208,13 @@ bool FollowedWay::is_at_goal(const Pose& pose) const {
   const bool is_low = map_.floor->at(goal_.outline->nearest_to(end)) == fusion::FloorCell::kFree;
   const bool is_door = goal_.kind == Goal::Kind::kDoor;
   const double body_m = is_low || is_door ? 0 : options_.body_radius_m;
-  return to_end_m < kAtEnd_m || goal_.outline->distance_m(pose.position_gravity) <=
+  return to_end_m < kAtEnd_m || goal_.outline->distance_m(pose.position_plan) <=
                                     options_.arrived_m + body_m - kPlaceError_m;
 }
 
 bool FollowedWay::comes_to_rest(const Pose& pose) const {
   if (goal_.kind == Goal::Kind::kRoom) return true;
-  const Vector2d touch = goal_.outline->nearest_to(pose.position_gravity);
+  const Vector2d touch = goal_.outline->nearest_to(pose.position_plan);
   return goal_.is_solid() && with_side("", touch, pose) == "_ahead";
 }
 
@@ -227,7 +226,7 @@ bool FollowedWay::is_last_step(const Pose& pose) const {
 bool FollowedWay::is_in_reach(const Pose& pose) const {
   if (!goal_.outline || goal_.kind == Goal::Kind::kRoom) return true;
   const double at_end_m = goal_.outline->distance_m(plan_.route.back());
-  return goal_.outline->distance_m(pose.position_gravity) <=
+  return goal_.outline->distance_m(pose.position_plan) <=
          std::max(options_.arrived_m + options_.body_radius_m, at_end_m);
 }
 
@@ -242,13 +241,13 @@ std::optional<GoalBearing> FollowedWay::goal_bearing(const Pose& pose,
                                                      const BarredFloor& floor) const {
   const bool is_near_end = leads_to_goal() && has_legs() && is_last_leg() && !leg().stairs;
   if (!is_near_end || !goal_.is_solid() || !goal_.is_sure) return std::nullopt;
-  const Vector2d& here = pose.position_gravity;
-  const Bearing bearing = bearing_of(plan_.touch_gravity, pose);
+  const Vector2d& here = pose.position_plan;
+  const Bearing bearing = bearing_of(plan_.touch_plan, pose);
   if (!bearing.is_sure || bearing.distance_m > options_.announce_to_m) return std::nullopt;
-  const double end_m = (plan_.touch_gravity - leg().to).norm();
+  const double end_m = (plan_.touch_plan - leg().to).norm();
   const double further_m =
       bearing.distance_m - std::max(end_m, options_.arrived_m + options_.body_radius_m);
-  const double heading_rad = heading_to(here, plan_.touch_gravity);
+  const double heading_rad = heading_to(here, plan_.touch_plan);
   const Vector2d end = Pose{here, heading_rad}.place_of({further_m, 0});
   const double narrow_m = floor.narrow_m_at(here, options_.plan.narrow_radius_m);
   if (further_m >= kLegEnd_m && !is_clear(*floor.grid(), here, end, narrow_m)) return std::nullopt;

@@ -56,7 +56,7 @@ class FollowedWay {
 
   // To its end: straight, along its direction, and by how much to turn, positive to the left.
   [[nodiscard]] double to_end_m(const Pose& pose) const {
-    return (leg().to - pose.position_gravity).norm();
+    return (leg().to - pose.position_plan).norm();
   }
   [[nodiscard]] double left_on_leg_m(const Pose& pose) const;
   [[nodiscard]] double bearing_error_rad(const Pose& pose) const;

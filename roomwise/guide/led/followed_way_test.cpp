@@ -89,7 +89,7 @@ TEST_F(FollowedWayTest, WhatOneIsLedUpToIsInNobodysWay) {
 
 TEST_F(FollowedWayTest, UnseenOneGoesTwoStepsAtMostWhereNothingIs) {
   const Pose last{{1, 1.5}, 0, 0.02};
-  const FollowedWay way = way_to(bed(), last.position_gravity);
+  const FollowedWay way = way_to(bed(), last.position_plan);
   EXPECT_NEAR(way.unseen_step_m(last, {}, floor_).value(), 1.05, 1e-9);
   EXPECT_TRUE(way.unseen_step_m(last, 1.5, floor_));
   EXPECT_FALSE(way.unseen_step_m(last, 1.2, floor_)) << "depth shows something";

@@ -138,7 +138,7 @@ void Guidance::see(const Walker& walker) {
   if (!is_believed) walker_.obstacles.clear();
   const Pose* const pose = track_.pose(now_ns());
   if (!walker_.room && pose != nullptr) {
-    walker_.room = way_.map().room_at(pose->position_gravity);
+    walker_.room = way_.map().room_at(pose->position_plan);
   }
 }
 
@@ -491,7 +491,7 @@ std::optional<Prompt> Guidance::on_stairs(const Pose& pose) {
   const fusion::Storeys& storeys = *way_.map().storeys;
   const fusion::Staircase& stairs = stairs_->stairs;
   const bool is_up = stairs_->is_up;
-  const Vector2d& here = pose.position_gravity;
+  const Vector2d& here = pose.position_plan;
   const bool is_at_goal = storeys.at_plan(here) == (is_up ? stairs.lower + 1 : stairs.lower);
   if (is_at_goal && storeys.beyond_m(stairs, is_up, here) > kBehind_m) {
     stairs_.reset();
@@ -686,8 +686,8 @@ std::optional<Prompt> Guidance::finish() {
     return phrase ? std::optional(say(*phrase)) : std::nullopt;
   }
   if (!knows_both) return std::nullopt;
-  const Vector2d& here = pose->position_gravity;
-  if (!way_.map().are_on_one_storey(here, goal().outline->middle_gravity)) {
+  const Vector2d& here = pose->position_plan;
+  if (!way_.map().are_on_one_storey(here, goal().outline->middle_plan)) {
     const bool tells_room = said == 0 && goal().room && goal().kind != Goal::Kind::kRoom;
     if (!tells_room) return std::nullopt;
     return say({"where.room", {{"thing", Nouns{goal().noun}}, {"room", room(*goal().room)}}});

@@ -170,14 +170,14 @@ TEST_F(GuidanceTest, WhoWalksAlongAnOpeningIsNotToldOfIt) {
   layout_ = testing::layout_of_two_rooms(grid_);
   const rooms::Doorway& opening = layout_.doorways()[0];
   ASSERT_TRUE(opening.is_opening());
-  const Vector2d beside = opening.middle_gravity - Vector2d(0.3, 0);
+  const Vector2d beside = opening.middle_plan - Vector2d(0.3, 0);
   const Vector2d along(0, 1);
   EXPECT_EQ(legs_of({beside - along, beside + along}, layout_.doorways()).size(), 1U);
   const Vector2d through(1, 0);
-  EXPECT_EQ(legs_of({opening.middle_gravity - through, opening.middle_gravity + through},
-                    layout_.doorways())
-                .size(),
-            2U);
+  EXPECT_EQ(
+      legs_of({opening.middle_plan - through, opening.middle_plan + through}, layout_.doorways())
+          .size(),
+      2U);
 }
 
 TEST_F(GuidanceTest, ADoorThatIsNarrowerThanUsualIsAnnouncedSo) {
@@ -198,7 +198,7 @@ TEST_F(GuidanceTest, TheNextActionIsAnnouncedOneAndAHalfToThreeMetresBefore) {
   lead_to(bed_at({7.2, 0.8}, "kitchen"), {0.6, 3.45}, 0);
   (void)hear(8);
   for (int i = 0; i < 60; ++i) {
-    const double left_m = layout_.doorways()[0].middle_gravity.x() - place_.x();
+    const double left_m = layout_.doorways()[0].middle_plan.x() - place_.x();
     for (const Prompt& prompt : go(0.2, 0.6)) {
       if (!prompt.message_id.starts_with("guide.soon")) continue;
       EXPECT_GE(left_m, 1.5);
@@ -210,7 +210,7 @@ TEST_F(GuidanceTest, TheNextActionIsAnnouncedOneAndAHalfToThreeMetresBefore) {
 }
 
 TEST_F(GuidanceTest, ATurnThatIsTooNearToBeActedOnIsToldWhereItIs) {
-  const double door_x = layout_.doorways()[0].middle_gravity.x();
+  const double door_x = layout_.doorways()[0].middle_plan.x();
   lead_to(bed_at({7.2, 0.8}, "kitchen"), {door_x - 2.2, 3.45}, 0);
   (void)hear(8);
   ASSERT_EQ(guidance_->state(), State::kWalking);
@@ -432,7 +432,7 @@ class PastATable : public GuidanceTest {
     table.name = "table";
     table.probability = 0.9;
     table.box_keyframe.size_m = {0.6, 1, 0.7};
-    table.position_gravity = Eigen::Vector3d(5.3, 0.6, 0.35);
+    table.position_plan = Eigen::Vector3d(5.3, 0.6, 0.35);
   }
   void walk_up_to_it() {
     lead_to(bed_at({13, 1.6}, "hall"), {0.6, 1.6}, 0);
@@ -461,7 +461,7 @@ TEST_F(PastATable, WhatTheMapHasInTheWayIsNamed) {
   KnownThing& rug = things_.emplace_back(things_[0]);
   rug.name = "rug";
   rug.box_keyframe.size_m = {2, 2, 0.02};
-  rug.position_gravity->z() = 0.01;
+  rug.position_plan->z() = 0.01;
   walk_up_to_it();
   EXPECT_THAT(drift_to_it(), ElementsAre("Stop: the table is in the way."));
 }
@@ -727,7 +727,7 @@ TEST_F(GoalBearingTest, IsAtAThingThatIsNearUntilOneIsThere) {
   EXPECT_FALSE(has_bearing()) << "nearly 2 m away";
   (void)hear(1, 0.6);
   ASSERT_TRUE(has_bearing());
-  const Vector2d towards = guidance_->plan().touch_gravity - place_;
+  const Vector2d towards = guidance_->plan().touch_plan - place_;
   const double bearing_rad = std::atan2(towards.y(), towards.x()) - heading_rad_;
   EXPECT_NEAR(guidance_->goal_bearing()->distance_m, towards.norm(), 1e-6);
   EXPECT_NEAR(guidance_->goal_bearing()->bearing_rad, bearing_rad, 1e-6);
@@ -1037,7 +1037,7 @@ TEST_F(GuidanceTest, WhatStandsBetweenTheWaysEndAndTheGoalIsSaid) {
   KnownThing& shelf = things_.emplace_back();
   shelf.name = "bookcase";
   shelf.probability = 0.99;
-  shelf.position_gravity = Eigen::Vector3d(2.4, 3.4, 1);
+  shelf.position_plan = Eigen::Vector3d(2.4, 3.4, 1);
   shelf.box_keyframe.size_m = {0.3, 1, 2};
   lead_to(bed_at({3.5, 3.4}, "bedroom"), {1.7, 3.45}, 0);
   std::vector<std::string> said;

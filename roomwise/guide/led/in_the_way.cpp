@@ -14,13 +14,13 @@ using Eigen::Vector2d;
 std::optional<InTheWay> in_the_way(const FollowedWay& way, const Pose& pose,
                                    std::span<const Vector2d> obstacles, const BarredFloor& floor) {
   const double to_end_m = way.to_end_m(pose);
-  const Pose along{pose.position_gravity,
-                   to_end_m > kAtEnd_m ? heading_to(pose.position_gravity, way.leg().to)
-                                       : way.leg().heading_rad(),
-                   pose.sigma_m};
+  const Pose along{
+      pose.position_plan,
+      to_end_m > kAtEnd_m ? heading_to(pose.position_plan, way.leg().to) : way.leg().heading_rad(),
+      pose.sigma_m};
   // Along what they stand at already they may go, not nearer.
   const double narrow_m =
-      floor.narrow_m_at(pose.position_gravity, way.options().plan.narrow_radius_m - kPlaceError_m);
+      floor.narrow_m_at(pose.position_plan, way.options().plan.narrow_radius_m - kPlaceError_m);
   const WalkingCorridor line{
       .half_width_m = way.options().body_radius_m,
       .length_m = std::min(WalkingCorridor().length_m, to_end_m + kLegEnd_m)};
@@ -41,7 +41,7 @@ std::optional<InTheWay> in_the_way(const FollowedWay& way, const Pose& pose,
   };
   if (const auto unknown = nearest(along, line, false)) return unknown;
   const Vector2d checked_to = along.place_of({std::min(to_end_m, line.length_m), 0});
-  if (!is_clear(*floor.grid(), pose.position_gravity, checked_to, narrow_m)) {
+  if (!is_clear(*floor.grid(), pose.position_plan, checked_to, narrow_m)) {
     if (const auto known = nearest(along, narrow, true)) return known;
   }
   if (std::abs(way.bearing_error_rad(pose)) <= straight_enough_rad(to_end_m)) return std::nullopt;
@@ -61,7 +61,7 @@ ObstacleAhead::Side InTheWay::side_by(const Pose& pose) const {
 std::optional<InTheWay> HazardWatch::look(const FollowedWay& way, const Pose& pose,
                                           std::span<const Vector2d> obstacles,
                                           const BarredFloor& floor, TimestampNs now_ns) {
-  const Vector2d& here = pose.position_gravity;
+  const Vector2d& here = pose.position_plan;
   if (known_stop_at_ && (*known_stop_at_ - here).norm() > kHand_m) known_stop_at_.reset();
   if (found_ns_ && seconds_between(*found_ns_, now_ns) < kSameHazard_s) return std::nullopt;
   const auto obstacle = in_the_way(way, pose, obstacles, floor);

@@ -10,7 +10,7 @@ std::optional<Phrase> standing_phrase(const FollowedWay& way, const Pose& pose) 
   std::optional<Noun> place = way.place_at_end();
   Eigen::Vector2d at = way.leg().to;
   if (!place || place->kind != Noun::Kind::kThing) {
-    const Eigen::Vector2d& here = pose.position_gravity;
+    const Eigen::Vector2d& here = pose.position_plan;
     const KnownThing* const thing = nearest_sure_thing(here, 2 * kHand_m, way.map());
     if (thing == nullptr) return std::nullopt;
     place = Noun{Noun::Kind::kThing, thing->name};
@@ -45,8 +45,8 @@ std::optional<Phrase> next_phrase(const FollowedWay& way, const std::string& lef
 Phrase there_phrase(const Goal& goal, const Pose& pose) {
   if (goal.kind == Goal::Kind::kRoom) return {"guide.there_room", {{"room", room(*goal.room)}}};
   const Eigen::Vector2d touch = goal.kind == Goal::Kind::kDoor
-                                    ? goal.outline->middle_gravity
-                                    : goal.outline->nearest_to(pose.position_gravity);
+                                    ? goal.outline->middle_plan
+                                    : goal.outline->nearest_to(pose.position_plan);
   return {with_side("guide.there", touch, pose), {{"goal", Nouns{goal.noun}}}};
 }
 

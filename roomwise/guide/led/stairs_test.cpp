@@ -80,7 +80,7 @@ class StairsTest : public ::testing::Test {
     thing.name = name;
     thing.probability = 0.95;
     thing.box_keyframe.size_m = {0.4, 0.4, 1};
-    thing.position_gravity = Eigen::Vector3d(place.x(), place.y(), 0.5);
+    thing.position_plan = Eigen::Vector3d(place.x(), place.y(), 0.5);
     thing.room = room;
     return thing;
   }
@@ -248,7 +248,7 @@ TEST_F(StairsTest, NobodyFacesWhatStandsOnAnotherStorey) {
 }
 
 TEST_F(StairsTest, TheThingsOfAnUpperRoomAreToldClockwiseFromWhereTheStairsEnd) {
-  const Vector2d middle = room("landing").outline->middle_gravity;
+  const Vector2d middle = room("landing").outline->middle_plan;
   // Of who comes up the stairs, left and right of the middle.
   const std::vector<KnownThing> things{standing("chair", middle - Vector2d(0, 0.5), "landing"),
                                        standing("lamp", middle + Vector2d(0, 0.5), "landing")};

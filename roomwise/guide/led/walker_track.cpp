@@ -23,7 +23,7 @@ bool may_follow(const Pose& before, TimestampNs before_ns, const Pose& pose, Tim
   const double passed_s = seconds_between(before_ns, at_ns);
   const double reach_m =
       kSlack_m + 3 * std::max(before.sigma_m, pose.sigma_m) + kQuickest_m_s * passed_s;
-  return (pose.position_gravity - before.position_gravity).norm() <= reach_m &&
+  return (pose.position_plan - before.position_plan).norm() <= reach_m &&
          std::abs(turn_rad(before.heading_rad, pose.heading_rad)) <=
              kSlack_rad + kQuickest_rad_s * passed_s;
 }
@@ -42,11 +42,11 @@ void WalkerTrack::add(const Pose& pose, TimestampNs at_ns) {
   doubted_.reset();
   // By so much, so that poses that tremble are no walk.
   const double stride_m = std::max(0.3, 3 * pose.sigma_m);
-  if (!counted_to_ || poses_.empty()) counted_to_ = pose.position_gravity;
-  const double ahead_m = (pose.position_gravity - *counted_to_).norm();
+  if (!counted_to_ || poses_.empty()) counted_to_ = pose.position_plan;
+  const double ahead_m = (pose.position_plan - *counted_to_).norm();
   if (ahead_m > stride_m) {
     walked_m_ += ahead_m;
-    counted_to_ = pose.position_gravity;
+    counted_to_ = pose.position_plan;
   }
   poses_.push_back({pose, at_ns});
   while (seconds_between(poses_.front().at_ns, at_ns) > kKept_s) poses_.pop_front();
@@ -96,7 +96,7 @@ std::optional<double> WalkerTrack::speed_m_s() const {
   const TimedPose* const before = a_while_ago();
   if (before == nullptr) return std::nullopt;
   const TimedPose& newest = poses_.back();
-  const double apart_m = (newest.pose.position_gravity - before->pose.position_gravity).norm();
+  const double apart_m = (newest.pose.position_plan - before->pose.position_plan).norm();
   const double walked_m = std::max(0.0, apart_m - 2 * newest.pose.sigma_m);
   return walked_m / seconds_between(before->at_ns, newest.at_ns);
 }

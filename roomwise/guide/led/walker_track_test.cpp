@@ -74,9 +74,9 @@ TEST(WalkerTrackTest, WhereNobodyCouldHaveWalkedIsBelievedByTwoPictures) {
   WalkerTrack track = track_of(0, 0, 3);  // to a second after kNow
   const Pose far{{5, 1}, 0, 0.02};
   track.add(far, kNow + 3 * kHalf);
-  EXPECT_EQ(track.pose(kNow + 3 * kHalf)->position_gravity.x(), 0);
+  EXPECT_EQ(track.pose(kNow + 3 * kHalf)->position_plan.x(), 0);
   track.add(far, kNow + 4 * kHalf);
-  EXPECT_EQ(track.pose(kNow + 4 * kHalf)->position_gravity.x(), 5);
+  EXPECT_EQ(track.pose(kNow + 4 * kHalf)->position_plan.x(), 5);
   // Nor does anybody turn about in half a second.
   track.add({{5, 1}, 3, 0.02}, kNow + 5 * kHalf);
   EXPECT_EQ(track.pose(kNow + 5 * kHalf)->heading_rad, 0);

@@ -14,16 +14,16 @@
 namespace roomwise::guide {
 
 // What a home knows of floor, rooms and things; any of it may be missing. What it points to must
-// outlive it. All in the gravity-aligned frame, m.
+// outlive it. All on the plan (see Storeys), m.
 struct HomeMap {
   const fusion::FloorGrid* floor = nullptr;
   const rooms::RoomLayout* layout = nullptr;
   std::span<const rooms::Doorway> doorways = {};  // where rooms meet: doors, and borders of others
   std::span<const KnownThing> things = {};
-  const fusion::Storeys* storeys = nullptr;  // null: one; else all lies on the plan (see Storeys)
+  const fusion::Storeys* storeys = nullptr;  // null: one, whose plan is the gravity-aligned frame
   std::optional<CalendarTime> today = std::nullopt;  // a guide's; unknown: no belief ages
 
-  [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector2d& point_gravity) const;
+  [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector2d& point_plan) const;
   // Else the plan tells neither direction nor distance from the one to the other.
   [[nodiscard]] bool are_on_one_storey(const Eigen::Vector2d& one,
                                        const Eigen::Vector2d& other) const;
@@ -32,17 +32,17 @@ struct HomeMap {
 // Whether somebody who stands there is in the room with their whole body: a layout tells rooms
 // apart to a foot's length, and who stands in a door's frame is in neither.
 [[nodiscard]] bool is_well_inside(const HomeMap& map, const std::string& room,
-                                  const Eigen::Vector2d& place_gravity);
+                                  const Eigen::Vector2d& place_plan);
 
 // What something takes up on the floor: a rectangle, turned about its middle.
 struct Outline {
-  Eigen::Vector2d middle_gravity = Eigen::Vector2d::Zero();
+  Eigen::Vector2d middle_plan = Eigen::Vector2d::Zero();
   Eigen::Vector2d size_m = Eigen::Vector2d::Zero();
   double yaw_rad = 0;  // from x to the side of size_m.x()
 
-  [[nodiscard]] Eigen::Vector2d nearest_to(const Eigen::Vector2d& point_gravity) const;
+  [[nodiscard]] Eigen::Vector2d nearest_to(const Eigen::Vector2d& point_plan) const;
   // 0 inside.
-  [[nodiscard]] double distance_m(const Eigen::Vector2d& point_gravity) const;
+  [[nodiscard]] double distance_m(const Eigen::Vector2d& point_plan) const;
 };
 
 // The way out as homes and catalogues call it.

@@ -23,11 +23,11 @@ constexpr double kThingSureFrom = 0.8;
 }  // namespace
 
 Eigen::Vector2d Pose::place_of(const Eigen::Vector2d& ahead_left_m) const {
-  return position_gravity + Eigen::Rotation2Dd(heading_rad) * ahead_left_m;
+  return position_plan + Eigen::Rotation2Dd(heading_rad) * ahead_left_m;
 }
 
-Eigen::Vector2d Pose::ahead_left_of(const Eigen::Vector2d& place_gravity) const {
-  return Eigen::Rotation2Dd(-heading_rad) * (place_gravity - position_gravity);
+Eigen::Vector2d Pose::ahead_left_of(const Eigen::Vector2d& place_plan) const {
+  return Eigen::Rotation2Dd(-heading_rad) * (place_plan - position_plan);
 }
 
 const Pose* UserLocation::sure_pose() const {
@@ -50,8 +50,8 @@ bool Bearing::is_close() const {
   return distance_m < kClose_m;
 }
 
-Bearing bearing_of(const Eigen::Vector2d& point_gravity, const Pose& pose, double radius_m) {
-  const Eigen::Vector2d towards = point_gravity - pose.position_gravity;
+Bearing bearing_of(const Eigen::Vector2d& point_plan, const Pose& pose, double radius_m) {
+  const Eigen::Vector2d towards = point_plan - pose.position_plan;
   const double distance_m = towards.norm();
   const double clockwise_rad = pose.heading_rad - std::atan2(towards.y(), towards.x());
   const auto hour = static_cast<int>(std::lround(clockwise_rad / (2 * kHalfHour_rad))) % 12;
@@ -63,9 +63,8 @@ Bearing bearing_of(const Eigen::Vector2d& point_gravity, const Pose& pose, doubl
 }
 
 std::optional<Bearing> bearing_of(const KnownThing& thing, const Pose& pose) {
-  if (!thing.position_gravity) return std::nullopt;
-  return bearing_of(thing.position_gravity->head<2>(), pose,
-                    thing.size_m().head<2>().minCoeff() / 2);
+  if (!thing.position_plan) return std::nullopt;
+  return bearing_of(thing.position_plan->head<2>(), pose, thing.size_m().head<2>().minCoeff() / 2);
 }
 
 std::vector<std::string> way_between_rooms(const std::string& from, const std::string& to,

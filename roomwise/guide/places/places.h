@@ -16,15 +16,15 @@ namespace roomwise::guide {
 // wall.
 constexpr double kSameRoom_m = 3;
 
-// Where somebody stands on the floor, in the gravity-aligned frame (z up, metres).
+// Where somebody stands on the floor: on the plan (fusion/storeys.h), metres.
 struct Pose {
-  Eigen::Vector2d position_gravity = Eigen::Vector2d::Zero();
+  Eigen::Vector2d position_plan = Eigen::Vector2d::Zero();
   double heading_rad = 0;  // which way they look, counter-clockwise from x
   double sigma_m = 0;      // standard deviation of the position
 
   // Of what they see so far ahead and to their left, m.
   [[nodiscard]] Eigen::Vector2d place_of(const Eigen::Vector2d& ahead_left_m) const;
-  [[nodiscard]] Eigen::Vector2d ahead_left_of(const Eigen::Vector2d& place_gravity) const;
+  [[nodiscard]] Eigen::Vector2d ahead_left_of(const Eigen::Vector2d& place_plan) const;
 };
 
 // What is known of where somebody is: a pose, a room, both or nothing.
@@ -41,11 +41,11 @@ struct UserLocation {
 
 // A thing of the home and where it stands.
 struct KnownThing : objects::Instance {
-  std::optional<Eigen::Vector3d> position_gravity = std::nullopt;  // its middle
+  std::optional<Eigen::Vector3d> position_plan = std::nullopt;  // its middle
   std::optional<std::string> room = std::nullopt;
   // When a walk or a visit last saw it; absent where its stamps do not tell.
   std::optional<CalendarTime> seen = std::nullopt;
-  double yaw_rad = 0;              // of its box about z, from x of the gravity-aligned frame
+  double yaw_rad = 0;              // of its box about z, from x of the plan
   std::string note;                // that a helper wrote on it, to be said with it; may be empty
   std::int64_t added_by_edit = 0;  // the helper's change that added it; 0: pictures show it
   bool is_confirmed = false;       // a helper who was there says that it is there and is called so
@@ -67,7 +67,7 @@ struct Bearing {
 
   [[nodiscard]] bool is_close() const;
 };
-[[nodiscard]] Bearing bearing_of(const Eigen::Vector2d& point_gravity, const Pose& pose,
+[[nodiscard]] Bearing bearing_of(const Eigen::Vector2d& point_plan, const Pose& pose,
                                  double radius_m = 0);
 // Nothing where the thing's place is not known. A thing reaches from its middle as far as half its
 // narrow side.

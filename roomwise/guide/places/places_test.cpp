@@ -45,10 +45,10 @@ TEST(PlacesTest, DistancesGoToTheNearSide) {
   const Pose pose{Vector2d::Zero(), 0, 0.02};
   KnownThing bed;
   EXPECT_FALSE(bearing_of(bed, pose));
-  bed.position_gravity = Vector3d(3, 0, 0.3);
+  bed.position_plan = Vector3d(3, 0, 0.3);
   bed.box_keyframe.size_m = Vector3d(2, 1.6, 0.5);
   EXPECT_DOUBLE_EQ(bearing_of(bed, pose)->distance_m, 2.2);
-  bed.position_gravity = Vector3d(0.5, 0, 0.3);
+  bed.position_plan = Vector3d(0.5, 0, 0.3);
   EXPECT_DOUBLE_EQ(bearing_of(bed, pose)->distance_m, 0);
   EXPECT_TRUE(bearing_of(bed, pose)->is_close());
 }

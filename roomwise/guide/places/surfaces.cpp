@@ -12,11 +12,11 @@ namespace {
 constexpr double kBoxError_m = 0.1;  // boxes end a hand's breadth early or late
 
 double top_of_m(const KnownThing& thing) {
-  return thing.position_gravity->z() + thing.size_m().z() / 2;
+  return thing.position_plan->z() + thing.size_m().z() / 2;
 }
 
 double bottom_of_m(const KnownThing& thing) {
-  return thing.position_gravity->z() - thing.size_m().z() / 2;
+  return thing.position_plan->z() - thing.size_m().z() / 2;
 }
 
 // Of what a person could walk into.
@@ -28,32 +28,32 @@ bool is_between_ankle_and_head(const KnownThing& thing) {
 }  // namespace
 
 Outline outline_of(const KnownThing& thing) {
-  return {thing.position_gravity->head<2>(), thing.size_m().head<2>(), thing.yaw_rad};
+  return {thing.position_plan->head<2>(), thing.size_m().head<2>(), thing.yaw_rad};
 }
 
 bool stands_on(const KnownThing& thing, const KnownThing& surface) {
-  if (&thing == &surface || !thing.position_gravity) return false;
+  if (&thing == &surface || !thing.position_plan) return false;
   const objects::Kind* const kind = objects::find_kind(thing.name);
   if (kind != nullptr && kind->stands_on_floor) return false;
   return std::abs(bottom_of_m(thing) - top_of_m(surface)) <= kBoxError_m &&
-         outline_of(surface).distance_m(thing.position_gravity->head<2>()) == 0;
+         outline_of(surface).distance_m(thing.position_plan->head<2>()) == 0;
 }
 
 const KnownThing* surface_under(const KnownThing& thing, std::span<const KnownThing> things) {
   const KnownThing* highest = nullptr;
   for (const KnownThing& one : things) {
-    if (!one.position_gravity || one.is_taught || !stands_on(thing, one)) continue;
+    if (!one.position_plan || one.is_taught || !stands_on(thing, one)) continue;
     if (highest == nullptr || top_of_m(one) > top_of_m(*highest)) highest = &one;
   }
   return highest;
 }
 
-const KnownThing* thing_at(const Eigen::Vector2d& place_gravity, const HomeMap& map) {
+const KnownThing* thing_at(const Eigen::Vector2d& place_plan, const HomeMap& map) {
   const KnownThing* nearest = nullptr;
   std::tuple<double, double> min{kBoxError_m, 0};
   for (const KnownThing& thing : map.things) {
-    if (!thing.position_gravity || !is_between_ankle_and_head(thing)) continue;
-    const std::tuple rank(outline_of(thing).distance_m(place_gravity),
+    if (!thing.position_plan || !is_between_ankle_and_head(thing)) continue;
+    const std::tuple rank(outline_of(thing).distance_m(place_plan),
                           -thing.size_m().head<2>().prod());
     if (rank > min || surface_under(thing, map.things) != nullptr) continue;
     min = rank;
@@ -62,12 +62,12 @@ const KnownThing* thing_at(const Eigen::Vector2d& place_gravity, const HomeMap& 
   return nearest;
 }
 
-const KnownThing* nearest_sure_thing(const Eigen::Vector2d& place_gravity, double within_m,
+const KnownThing* nearest_sure_thing(const Eigen::Vector2d& place_plan, double within_m,
                                      const HomeMap& map) {
   const KnownThing* nearest = nullptr;
   for (const KnownThing& thing : map.things) {
-    if (!thing.position_gravity || !thing.is_sure(map.today)) continue;
-    const double distance_m = outline_of(thing).distance_m(place_gravity);
+    if (!thing.position_plan || !thing.is_sure(map.today)) continue;
+    const double distance_m = outline_of(thing).distance_m(place_plan);
     if (distance_m >= within_m) continue;
     within_m = distance_m;
     nearest = &thing;
@@ -81,11 +81,11 @@ const KnownThing* thing_between(const Eigen::Vector2d& from, const Goal& goal, c
   for (double ahead_m = 0; ahead_m < towards.norm(); ahead_m += kStep_m) {
     const Eigen::Vector2d place = from + ahead_m * towards.normalized();
     for (const KnownThing& thing : map.things) {
-      const bool is_known = thing.position_gravity && thing.is_sure(map.today);
+      const bool is_known = thing.position_plan && thing.is_sure(map.today);
       if (!is_known || thing.name == goal.noun.name) continue;
       const Outline outline = outline_of(thing);
       // The goal itself by another name: the front door as the way out.
-      const bool is_goal = outline.middle_gravity == goal.outline->middle_gravity &&
+      const bool is_goal = outline.middle_plan == goal.outline->middle_plan &&
                            outline.size_m == goal.outline->size_m;
       if (!is_goal && outline.distance_m(place) < kBoxError_m) return &thing;
     }

@@ -22,10 +22,10 @@ namespace roomwise::guide {
 
 // What of the map stands there, give or take a hand's breadth: of what is between ankle and head
 // and does not lie on something else the nearest, else the largest. nullptr: nothing is known.
-[[nodiscard]] const KnownThing* thing_at(const Eigen::Vector2d& place_gravity, const HomeMap& map);
+[[nodiscard]] const KnownThing* thing_at(const Eigen::Vector2d& place_plan, const HomeMap& map);
 
 // Of the sure things the nearest to a place that is nearer than that; nullptr: there is none.
-[[nodiscard]] const KnownThing* nearest_sure_thing(const Eigen::Vector2d& place_gravity,
+[[nodiscard]] const KnownThing* nearest_sure_thing(const Eigen::Vector2d& place_plan,
                                                    double within_m, const HomeMap& map);
 
 // What stands between a place and a goal that cannot be reached from there, whose outline is known:

@@ -90,7 +90,7 @@ class HomeAnswer {
 double distance_to(const KnownThing& thing, const UserLocation& location) {
   const Pose* const pose = location.sure_pose();
   if (pose == nullptr) return 0;
-  return outline_of(thing).distance_m(pose->position_gravity);
+  return outline_of(thing).distance_m(pose->position_plan);
 }
 
 std::vector<const KnownThing*> things_in(const std::string& room, const HomeMap& map) {
@@ -117,8 +117,7 @@ std::vector<const rooms::Doorway*> doors_of_room(const std::string& room, const 
   }
   const Pose* const pose = location.sure_pose();
   std::ranges::stable_sort(doors, {}, [&](const rooms::Doorway* door) {
-    return pose != nullptr ? (door->place_in(room) - pose->position_gravity).norm()
-                           : -door->width_m;
+    return pose != nullptr ? (door->place_in(room) - pose->position_plan).norm() : -door->width_m;
   });
   return doors;
 }
@@ -135,7 +134,7 @@ double angle_rad(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
 struct Ahead {
   double distance_m = 0;
   fusion::FloorCell cell = fusion::FloorCell::kFree;  // what ends the free floor there
-  Eigen::Vector2d place_gravity = Eigen::Vector2d::Zero();
+  Eigen::Vector2d place_plan = Eigen::Vector2d::Zero();
 };
 
 // Along one line beside the heading. What somebody stands beside, up against it, is not ahead.
@@ -146,8 +145,8 @@ Ahead look_along(const fusion::FloorGrid& floor, const Pose& pose, double aside_
   bool is_beside = aside_m != 0;
   for (ahead.distance_m = 0; ahead.distance_m < kFarthestAhead_m;
        ahead.distance_m += floor.cell_m() / 2) {
-    ahead.place_gravity = pose.position_gravity + ahead.distance_m * forward + aside_m * left;
-    ahead.cell = floor.at(ahead.place_gravity);
+    ahead.place_plan = pose.position_plan + ahead.distance_m * forward + aside_m * left;
+    ahead.cell = floor.at(ahead.place_plan);
     is_beside = is_beside && ahead.cell == fusion::FloorCell::kOccupied;
     if (ahead.cell != fusion::FloorCell::kFree && !is_beside) return ahead;
   }
@@ -179,7 +178,7 @@ void say_ahead_by_map(const HomeMap& map, const Pose& pose, bool is_looked_at,
     return answer.say_unsure("ahead.unknown");
   }
   if (!is_occupied) return say("ahead.free", true);
-  const KnownThing* const there = thing_at(ahead.place_gravity, map);
+  const KnownThing* const there = thing_at(ahead.place_plan, map);
   if (there == nullptr) return say("ahead.something", true);
   values["thing"] = thing(there->name);
   const bool is_sure = there->is_sure(today.date);
@@ -194,7 +193,7 @@ std::vector<Prompt> on_prompts(const std::string& surface, const HomeMap& map,
   HomeAnswer answer("on " + surface, wording, today);
   std::vector<const KnownThing*> surfaces;
   for (const KnownThing& thing : map.things) {
-    if (thing.name == surface && thing.position_gravity) surfaces.push_back(&thing);
+    if (thing.name == surface && thing.position_plan) surfaces.push_back(&thing);
   }
   std::ranges::stable_sort(surfaces, {}, [&](const KnownThing* one) {
     return std::pair(distance_to(*one, location), -one->probability);
@@ -252,9 +251,9 @@ std::vector<Prompt> room_way_prompts(const std::string& room, const HomeMap& map
     answer.say("guide.room_through", {{"goal", goal}, {"via", via}}, kRoomValid_s);
   }
   const bool has_direction = pose != nullptr && extent != nullptr && extent->floor_m2 > 0 &&
-                             map.are_on_one_storey(pose->position_gravity, extent->middle_gravity);
+                             map.are_on_one_storey(pose->position_plan, extent->middle_plan);
   if (has_direction) {
-    const Bearing bearing = bearing_of(extent->middle_gravity, *pose);
+    const Bearing bearing = bearing_of(extent->middle_plan, *pose);
     answer.say(bearing.is_sure ? "where.direction" : "where.direction_probable",
                {{"thing", goal},
                 {"hour", fmt::format("{}", bearing.hour)},
@@ -286,16 +285,15 @@ std::vector<Prompt> facing_prompts(const HomeMap& map, const UserLocation& locat
   for (const KnownThing& thing : map.things) {
     const bool is_elsewhere = location.room && thing.room && *thing.room != *location.room;
     const auto bearing = bearing_of(thing, *pose);
-    const bool is_here =
-        bearing && !is_elsewhere &&
-        map.are_on_one_storey(pose->position_gravity, thing.position_gravity->head<2>());
+    const bool is_here = bearing && !is_elsewhere &&
+                         map.are_on_one_storey(pose->position_plan, thing.position_plan->head<2>());
     if (is_here) {
       consider(*bearing, {Noun::Kind::kThing, thing.name}, thing.is_sure(today.date));
     }
   }
   for (const rooms::Doorway& door : doors_of(map.doorways)) {
     if (!location.room || !door.joins(*location.room)) continue;
-    consider(bearing_of(door.middle_gravity, *pose), Goal::of(door).noun, true);
+    consider(bearing_of(door.middle_plan, *pose), Goal::of(door).noun, true);
   }
   if (nearest) {
     answer.say(nearest->is_sure ? "facing.place" : "facing.place_probable",
@@ -358,14 +356,14 @@ std::vector<Prompt> describe_prompts(const std::string& room, const HomeMap& map
     answer.say_things("in.things", values, there);
     return answer.take();
   }
-  const Eigen::Vector2d& middle = extent->middle_gravity;
+  const Eigen::Vector2d& middle = extent->middle_plan;
   // A door is found by hand; of rooms that are open to each other the way there is told.
   const auto door = std::ranges::find_if(doors, &rooms::Doorway::is_door);
   const rooms::Doorway& first = door != doors.end() ? **door : *doors.front();
   const double door_rad = angle_rad(middle, first.place_in(room));
-  std::erase_if(there, [](const KnownThing* one) { return !one->position_gravity; });
+  std::erase_if(there, [](const KnownThing* one) { return !one->position_plan; });
   std::ranges::stable_sort(there, {}, [&](const KnownThing* one) {
-    return clockwise_rad(door_rad, angle_rad(middle, one->position_gravity->head<2>()));
+    return clockwise_rad(door_rad, angle_rad(middle, one->position_plan->head<2>()));
   });
   const std::string& beyond = first.rooms[0] == room ? first.rooms[1] : first.rooms[0];
   if (first.is_door()) {

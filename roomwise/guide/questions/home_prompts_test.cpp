@@ -21,7 +21,7 @@ KnownThing standing(const std::string& name, const Vector3d& middle_m, const Vec
   thing.name = name;
   thing.probability = probability;
   thing.box_keyframe.size_m = size_m;
-  thing.position_gravity = middle_m;
+  thing.position_plan = middle_m;
   thing.room = room;
   return thing;
 }
@@ -39,7 +39,7 @@ class HomePromptsTest : public ::testing::Test {
 
   [[nodiscard]] HomeMap map() const { return {&grid_, &layout_, layout_.doorways(), things_}; }
   [[nodiscard]] Vector2d middle_of_kitchen() const {
-    return std::ranges::find(layout_.rooms(), "kitchen", &rooms::RoomExtent::name)->middle_gravity;
+    return std::ranges::find(layout_.rooms(), "kitchen", &rooms::RoomExtent::name)->middle_plan;
   }
   [[nodiscard]] std::vector<std::string> on(const std::string& surface) const {
     return said(on_prompts(surface, map(), nowhere_, english_, today_));
@@ -65,7 +65,7 @@ TEST_F(HomePromptsTest, OnATableIsWhatStandsOverItAndNotOnTheFloor) {
   EXPECT_THAT(on("cup"), ElementsAre("I know of nothing on the cup."));
   things_[0].yaw_rad = 1.5707963;
   EXPECT_THAT(on("table"), ElementsAre("On the table: bottle.")) << "the table is turned";
-  things_[0].position_gravity.reset();
+  things_[0].position_plan.reset();
   EXPECT_THAT(on("table"), ElementsAre("I do not know yet where the table stands."));
 }
 
@@ -92,7 +92,7 @@ TEST_F(HomePromptsTest, WhatWasSeenLongAgoIsProbable) {
   EXPECT_EQ(on("table").at(0), "Probably on the table: remote control.");
   EXPECT_EQ(said(in_prompts("bedroom", map(), english_, today_)).at(1),
             "Probably in the bedroom: remote control.");
-  things_[1].position_gravity = Vector3d(3, 1, 1);
+  things_[1].position_plan = Vector3d(3, 1, 1);
   const UserLocation here{Pose{Vector2d(1, 1), 0, 0.05}, "bedroom"};
   EXPECT_TRUE(said(facing_prompts(map(), here, english_, today_))
                   .at(0)
@@ -105,7 +105,7 @@ TEST_F(HomePromptsTest, OfSeveralTablesOneWhosePlaceIsKnownIsAnsweredOf) {
   things_ = {standing("table", {5, 2, 0.37}, {1, 1, 0.74}),
              standing("table", {2, 2, 0.37}, {1.6, 0.8, 0.74}, "bedroom", 0.9),
              standing("cup", {2.5, 2.2, 0.79}, {0.1, 0.1, 0.1})};
-  things_[0].position_gravity.reset();
+  things_[0].position_plan.reset();
   EXPECT_THAT(on("table"), ElementsAre("On the table: cup."));
   const UserLocation here{Pose{Vector2d(1, 1), 0, 0.05}, "bedroom"};
   EXPECT_THAT(said(on_prompts("table", map(), here, english_, today_)),
@@ -208,8 +208,8 @@ TEST_F(HomePromptsTest, FacingIsTheNearestAtTwelve) {
 
 TEST_F(HomePromptsTest, ARoomIsItsFloorWhereItLeadsAndItsThingsClockwiseFromTheDoor) {
   const auto bedroom = *std::ranges::find(layout_.rooms(), "bedroom", &rooms::RoomExtent::name);
-  const Vector2d middle = bedroom.middle_gravity;
-  const Vector2d to_door = (layout_.doorways()[0].middle_gravity - middle).normalized();
+  const Vector2d middle = bedroom.middle_plan;
+  const Vector2d to_door = (layout_.doorways()[0].middle_plan - middle).normalized();
   const auto beside = [&](double clockwise_rad) {
     const Vector2d at = middle + Eigen::Rotation2Dd(-clockwise_rad) * to_door;
     return Vector3d(at.x(), at.y(), 0.5);

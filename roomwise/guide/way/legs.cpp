@@ -17,7 +17,7 @@ constexpr double kPoint_m = 0.01;    // less than a cell: no way at all
 // it does not: who walks past one stays in the room.
 std::optional<double> share_at(const Vector2d& from, const Vector2d& to,
                                const rooms::Doorway& doorway) {
-  const Vector2d& middle = doorway.middle_gravity;
+  const Vector2d& middle = doorway.middle_plan;
   const bool knows_sides = doorway.width_m > 0;
   if (!knows_sides) {
     const double share = (middle - from).dot(to - from) / (to - from).squaredNorm();
@@ -36,7 +36,7 @@ std::optional<Vector2d> door_on(const Vector2d& from, const Vector2d& to,
   if (!share) return std::nullopt;
   const Vector2d place = from + *share * (to - from);
   const double reach_m = std::max(0.4, doorway.width_m / 2);
-  const bool is_through = (place - doorway.middle_gravity).norm() <= reach_m;
+  const bool is_through = (place - doorway.middle_plan).norm() <= reach_m;
   return is_through ? std::optional(place) : std::nullopt;
 }
 

@@ -22,8 +22,8 @@ class Planner {
       : map_(map),
         goal_(goal),
         options_(options),
-        from_(pose.position_gravity),
-        here_(map.room_at(pose.position_gravity)) {
+        from_(pose.position_plan),
+        here_(map.room_at(pose.position_plan)) {
     for (const rooms::Doorway& doorway : map.doorways) {
       if (goal.room && doorway.joins(*goal.room)) goal_doorways_.push_back(doorway);
     }
@@ -82,7 +82,7 @@ class Planner {
     Plan plan;
     plan.route = search.straightened(way, std::max(radius_m, options_.straight_m));
     plan.is_narrow = radius_m < person.person_radius_m;
-    plan.touch_gravity = goal_.outline->nearest_to(plan.route.back());
+    plan.touch_plan = goal_.outline->nearest_to(plan.route.back());
     return plan;
   }
 
@@ -154,7 +154,7 @@ Plan by_rooms(const HomeMap& map, const UserLocation& from, const Goal& goal, st
   Plan plan;
   plan.because = std::move(because);
   std::optional<std::string> here = from.room;
-  if (!here && from.sure_pose() != nullptr) here = map.room_at(from.pose->position_gravity);
+  if (!here && from.sure_pose() != nullptr) here = map.room_at(from.pose->position_plan);
   if (!here || !goal.room) return plan;
   if (*here != *goal.room) {
     plan.rooms = way_between_rooms(*here, *goal.room, map.doorways);
@@ -168,8 +168,8 @@ Plan by_rooms(const HomeMap& map, const UserLocation& from, const Goal& goal, st
 bool gets_nearer(const Plan& plan, const Plan& other) {
   constexpr double kStep_m = 0.7;
   if (plan.rooms.size() != other.rooms.size()) return plan.rooms.size() < other.rooms.size();
-  return (plan.touch_gravity - plan.route.back()).norm() <
-         (other.touch_gravity - other.route.back()).norm() - kStep_m;
+  return (plan.touch_plan - plan.route.back()).norm() <
+         (other.touch_plan - other.route.back()).norm() - kStep_m;
 }
 
 }  // namespace

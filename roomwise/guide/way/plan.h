@@ -41,7 +41,7 @@ struct Plan {
   Route route = {};        // of kComplete and kPartial: from where one stands; one point: stay here
   bool is_narrow = false;  // somewhere the shoulders must be turned
   // The goal's nearest point to the route's end (kComplete, kPartial).
-  Eigen::Vector2d touch_gravity = Eigen::Vector2d::Zero();
+  Eigen::Vector2d touch_plan = Eigen::Vector2d::Zero();
   // From the room at the route's end (kPartial) or around one (kRoomsOnly) to the goal's, both
   // included; empty where they are the same, or it is not known.
   std::vector<std::string> rooms = {};

@@ -80,7 +80,7 @@ TEST(PlanTest, ABedBetweenWallsIsReachedFromItsFreeSide) {
   EXPECT_EQ(plan.status, PlanStatus::kComplete);
   EXPECT_FALSE(plan.is_narrow);
   EXPECT_NEAR(plan.route.back().x(), 3.15, 0.1);
-  EXPECT_NEAR(plan.touch_gravity.x(), 3.5, 1e-9);
+  EXPECT_NEAR(plan.touch_plan.x(), 3.5, 1e-9);
 }
 
 TEST(PlanTest, WhereShouldersMustBeTurnedItSaysSo) {
@@ -119,7 +119,7 @@ TEST_F(TwoRoomsTest, ARoomIsReachedBeyondItsDoor) {
   const Plan plan = this->plan(standing_at({1, 1}), room("kitchen"));
   EXPECT_EQ(plan.status, PlanStatus::kComplete);
   EXPECT_EQ(layout.room_at(plan.route.back()), "kitchen");
-  const double from_door_m = (plan.route.back() - layout.doorways()[0].middle_gravity).norm();
+  const double from_door_m = (plan.route.back() - layout.doorways()[0].middle_plan).norm();
   EXPECT_NEAR(from_door_m, 0.8, 0.15);
 }
 
@@ -149,7 +149,7 @@ TEST_F(TwoRoomsTest, WhereNoSafeWayIsKnownItEndsAsNearAsOneGets) {
   const Plan plan = this->plan(standing_at({1, 1}), goal);
   EXPECT_EQ(plan.status, PlanStatus::kPartial);
   EXPECT_NEAR(plan.route.back().x(), 5.75, 0.2);
-  EXPECT_NEAR(plan.touch_gravity.x(), 6.8, 1e-9);
+  EXPECT_NEAR(plan.touch_plan.x(), 6.8, 1e-9);
   EXPECT_THAT(plan.rooms, IsEmpty());
   EXPECT_THAT(plan.because, ::testing::HasSubstr("no free floor"));
 }
@@ -161,7 +161,7 @@ TEST_F(TwoRoomsTest, BehindADoorThatIsShutItEndsAtTheDoorAndTellsTheRooms) {
   const Goal goal = thing_at({4.6, 1}, {0.5, 0.5}, "kitchen");
   const Plan plan = plan_way({&shut, &layout, doorways, {}}, standing_at({1, 1}), goal);
   EXPECT_EQ(plan.status, PlanStatus::kPartial);
-  EXPECT_LT((plan.route.back() - doorways[0].middle_gravity).norm(), 0.6)
+  EXPECT_LT((plan.route.back() - doorways[0].middle_plan).norm(), 0.6)
       << "and not at the wall before the goal";
   EXPECT_THAT(plan.rooms, ElementsAre("bedroom", "kitchen"));
 }
@@ -188,9 +188,9 @@ TEST(LegsTest, DoorsAndOpeningsEndLegsAndOpenBordersDoNot) {
   rooms::Doorway opening{
       .rooms = {"kitchen", "lounge"}, .width_m = 0.8, .direction_rad = 1.5708, .is_walked = true};
   rooms::Doorway border{.rooms = {"dining room", "lounge"}, .width_m = 3, .is_walked = true};
-  door.middle_gravity = {1, 0};
-  opening.middle_gravity = {3, 0};
-  border.middle_gravity = {5, 0};
+  door.middle_plan = {1, 0};
+  opening.middle_plan = {3, 0};
+  border.middle_plan = {5, 0};
   const std::vector doorways{border, opening, door};
   const auto legs = legs_of({{0, 0}, {7, 0}}, doorways);
   ASSERT_EQ(legs.size(), 3U);
@@ -204,7 +204,7 @@ TEST(LegsTest, DoorsAndOpeningsEndLegsAndOpenBordersDoNot) {
 TEST(LegsTest, ADoorThatOneWalksPastEndsNone) {
   rooms::Doorway door{
       .rooms = {"hall", "kitchen"}, .width_m = 0.9, .direction_rad = 1.5708, .is_framed = true};
-  door.middle_gravity = {1, 0};
+  door.middle_plan = {1, 0};
   const std::vector doorways{door};
   EXPECT_EQ(legs_of({{0.7, -2}, {0.7, 2}}, doorways).size(), 1U) << "along its wall";
   const auto ends = [&](const Route& route) {

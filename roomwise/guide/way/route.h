@@ -22,7 +22,7 @@ struct RouteOptions {
   [[nodiscard]] Expected<void> validate() const;
 };
 
-// Corners of a way along free floor, m in the gravity-aligned frame, the first where it begins.
+// Corners of a way along free floor, m on the plan, the first where it begins.
 using Route = std::vector<Eigen::Vector2d>;
 [[nodiscard]] double length_m(const Route& route);
 // Over stairs, where the plan has a gap, along them.

@@ -156,7 +156,7 @@ TEST_F(RoutePromptsTest, DoorsAndCornersEndALeg) {
   const Route route{Vector2d(0, 0), Vector2d(4, 0), Vector2d(4, 2)};
   rooms::Doorway door;
   door.rooms = {"corridor", "kitchen"};
-  door.middle_gravity = Vector2d(2, 0.1);
+  door.middle_plan = Vector2d(2, 0.1);
   door.width_m = 0.8;
   door.direction_rad = std::numbers::pi / 2;
   door.is_framed = true;

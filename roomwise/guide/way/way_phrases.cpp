@@ -95,9 +95,9 @@ Noun door_noun(const rooms::Doorway& door) {
                                                           : "door"};
 }
 
-std::string with_side(const std::string& message, const Eigen::Vector2d& point_gravity,
+std::string with_side(const std::string& message, const Eigen::Vector2d& point_plan,
                       const Pose& pose) {
-  const Eigen::Vector2d towards = point_gravity - pose.position_gravity;
+  const Eigen::Vector2d towards = point_plan - pose.position_plan;
   const double turn = turn_rad(pose.heading_rad, std::atan2(towards.y(), towards.x()));
   if (std::abs(turn) <= 45 * kDegree_rad) return message + "_ahead";
   if (std::abs(turn) >= 135 * kDegree_rad) return message + "_behind";

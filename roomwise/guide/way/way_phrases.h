@@ -30,8 +30,8 @@ enum class DoorWidth { kUsual, kNarrow, kWide };
 [[nodiscard]] Noun door_noun(const rooms::Doorway& door);
 
 // "guide.place" and a point behind one: "guide.place_behind".
-[[nodiscard]] std::string with_side(const std::string& message,
-                                    const Eigen::Vector2d& point_gravity, const Pose& pose);
+[[nodiscard]] std::string with_side(const std::string& message, const Eigen::Vector2d& point_plan,
+                                    const Pose& pose);
 // How high a hand has to reach: "guide.height_knee".
 [[nodiscard]] std::string height_message(double height_m);
 

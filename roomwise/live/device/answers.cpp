@@ -60,7 +60,7 @@ std::optional<rooms::RoomDecision> decision_of(const FrameResult& result, const 
   const auto& by_pictures = result.decision;
   const bool is_named = by_pictures && by_pictures->verdict == rooms::Verdict::kRoom;
   if (is_named || !result.place) return by_pictures;
-  auto by_place = home.room_around(result.place->position_gravity(), result.place->sigma_m);
+  auto by_place = home.room_around(result.place->position_plan(), result.place->sigma_m);
   if (!by_place) return by_pictures;
   if (by_pictures) {
     const auto learned =
@@ -132,10 +132,10 @@ std::vector<guide::Prompt> way_to(const service::Ask& ask, const Situation& situ
   std::optional<guide::Route> shortest;
   std::string why = "its place is not known";
   for (const guide::KnownThing& thing : things) {
-    if (thing.name != *meant || !thing.position_gravity || !home.map || !home.map->floor) continue;
+    if (thing.name != *meant || !thing.position_plan || !home.map || !home.map->floor) continue;
     const fusion::FloorGrid& floor = found != nullptr ? *found : *home.map->floor;
-    auto route = guide::find_route(floor, pose->position_gravity, thing.position_gravity->head<2>(),
-                                   {}, home.layout ? &*home.layout : nullptr, thing.room, stairs);
+    auto route = guide::find_route(floor, pose->position_plan, thing.position_plan->head<2>(), {},
+                                   home.layout ? &*home.layout : nullptr, thing.room, stairs);
     if (!route) {
       why = route.error().message;
     } else if (!shortest || guide::length_m(*route, stairs) < guide::length_m(*shortest, stairs)) {
@@ -167,8 +167,8 @@ std::vector<guide::KnownThing> as_things(std::span<const rooms::Doorway> doors,
     guide::KnownThing& thing = things.emplace_back();
     thing.name = goal.noun.name;
     thing.probability = 1;
-    thing.position_gravity =
-        Eigen::Vector3d(door.middle_gravity.x(), door.middle_gravity.y(), 1);  // a handle's height
+    thing.position_plan =
+        Eigen::Vector3d(door.middle_plan.x(), door.middle_plan.y(), 1);  // a handle's height
     const bool leads_here = location.room && door.joins(*location.room);
     thing.room = leads_here ? location.room : goal.room;
   }
@@ -420,7 +420,7 @@ const ViewedSpot* spot_asked_for(const service::Ask& ask, const HomeView& home,
   if (!asks_for_way_out(ask, home, phrases)) return called;
   // One whose walk was forgotten leads nowhere, and must not stand before a way out that is known.
   const auto leads_out = [&](const ViewedSpot& spot) {
-    return spot.thing.position_gravity && means_way_out(spot.thing.name, phrases);
+    return spot.thing.position_plan && means_way_out(spot.thing.name, phrases);
   };
   if (called != nullptr && leads_out(*called)) return called;
   const auto found = std::ranges::find_if(home.spots, leads_out);

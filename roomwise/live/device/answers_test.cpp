@@ -20,22 +20,22 @@ FrameResult glance_in(const std::string& room, double t_ms, rooms::Verdict verdi
 }
 
 guide::KnownThing thing(const std::string& name, const std::string& room,
-                        const Eigen::Vector3d& position_gravity) {
+                        const Eigen::Vector3d& position_plan) {
   guide::KnownThing thing;
   thing.name = name;
   thing.probability = 0.99;
   thing.room = room;
-  thing.position_gravity = position_gravity;
+  thing.position_plan = position_plan;
   thing.box_keyframe.size_m = {0.5, 0.5, 0.5};
   return thing;
 }
 
 // A camera at the origin, 1.3 m up, that looks along x.
 CameraPose at_the_origin() {
-  Eigen::Matrix3d gravity_from_camera;
-  gravity_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  Eigen::Matrix3d plan_from_camera;
+  plan_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   CameraPose place;
-  place.gravity_from_camera = {Eigen::Quaterniond(gravity_from_camera), {0, 0, 1.3}};
+  place.plan_from_camera = {Eigen::Quaterniond(plan_from_camera), {0, 0, 1.3}};
   place.sigma_m = 0.03;
   place.room = "kitchen";
   return place;
@@ -289,7 +289,7 @@ TEST(Answers, ADoorIsWhereRoomsMeet) {
   FrameResult result = glance_in("bedroom", 500, rooms::Verdict::kRoom);
   result.place = at_the_origin();
   result.place->room = "bedroom";
-  result.place->gravity_from_camera.translation = {1, 3.45, 1.3};
+  result.place->plan_from_camera.translation = {1, 3.45, 1.3};
   const service::SpeakingSettings settings;
   const auto where = [&] {
     return answer({1, 600, service::Question::kWhereIs, "door"}, {home, &result, settings, 600})
@@ -418,7 +418,7 @@ class WhereByPlace : public ::testing::Test {
   }
   void stand_at(double x, double y) {
     result.place = at_the_origin();
-    result.place->gravity_from_camera.translation = {x, y, 1.3};
+    result.place->plan_from_camera.translation = {x, y, 1.3};
   }
   void pictures_say(rooms::Verdict verdict, std::vector<rooms::RoomScore> scores) {
     result.decision.emplace();

@@ -28,7 +28,7 @@ service::Seen seen_of(const FrameResult& result) {
     seen.why = result.decision->why;
   }
   if (result.place) {
-    const Eigen::Vector3d at = result.place->position_gravity();
+    const Eigen::Vector3d at = result.place->position_plan();
     seen.position = service::SeenPosition{at.x(), at.y(), at.z(),
                                           result.place->heading_rad() * 180 / std::numbers::pi,
                                           result.place->sigma_m};
@@ -389,7 +389,7 @@ guide::Prompt Device::mark(const service::Ask& ask) {
     const std::scoped_lock lock(mutex_);
     has_picture = last_result_ && ask.t_ms - last_result_->t_ms <= kMaxFrameAge_ms;
     if (has_picture && last_result_->place && last_result_->place->sigma_m <= kMaxSpotSigma_m) {
-      place = last_result_->place->position_gravity();
+      place = last_result_->place->position_plan();
     }
   }
   const auto view = host_.view_for(who_);
@@ -594,7 +594,7 @@ std::vector<guide::Prompt> Device::lead_to(const service::Ask& goal,
   // Who is led back keeps where they set out: it is where they go.
   const bool is_sure =
       now.result != nullptr && now.result->place && now.result->place->sigma_m <= kMaxSpotSigma_m;
-  if (is_sure && !is_way_back) host_.sets_out(who_, now.result->place->position_gravity());
+  if (is_sure && !is_way_back) host_.sets_out(who_, now.result->place->position_plan());
   return {led_->begin(now)};
 }
 

@@ -63,7 +63,7 @@ class DeviceHost {
   // something else (ErrorCode::kRefused) or the computer is busy.
   [[nodiscard]] virtual Expected<void> mark_spot(const service::Identity& who,
                                                  const std::string& name,
-                                                 const Eigen::Vector3d& place_gravity) = 0;
+                                                 const Eigen::Vector3d& place_plan) = 0;
   // Forgets one of the device's, or where `new_name` is given renames it; a helper may also change
   // the computer's. Fails where it has none of that name or the new one will not do
   // (ErrorCode::kRefused), or the computer is busy.
@@ -74,7 +74,7 @@ class DeviceHost {
   [[nodiscard]] virtual Expected<std::vector<guide::SeenPerson>> people_in(
       const FrameImages& images, const std::optional<geometry::PinholeCamera>& camera) const = 0;
   // From there it is led somewhere: known until the computer closes the home, and never stored.
-  virtual void sets_out(const service::Identity& who, const Eigen::Vector3d& place_gravity) = 0;
+  virtual void sets_out(const service::Identity& who, const Eigen::Vector3d& place_plan) = 0;
   // Helpers who watch how others are led. This and the next are called while a device is locked:
   // they lock no device.
   [[nodiscard]] virtual std::vector<service::Identity> watchers(

@@ -879,8 +879,8 @@ TEST_F(DeviceWithPlacesTest, WhoIsLedAndCloseToItIsToldWhereTheGoalIsWithEachPic
   guide::KnownThing mug;
   mug.name = "mug";
   mug.probability = 0.99;
-  mug.position_gravity = Eigen::Vector3d(here.x_m + 1.2 * std::cos(heading_rad),
-                                         here.y_m + 1.2 * std::sin(heading_rad), 1);
+  mug.position_plan = Eigen::Vector3d(here.x_m + 1.2 * std::cos(heading_rad),
+                                      here.y_m + 1.2 * std::sin(heading_rad), 1);
   mug.box_keyframe.size_m = {0.1, 0.1, 0.1};
   host.home->things = {mug};
   ask(1, 1100, service::Question::kTakeMeTo, "mug");
@@ -917,7 +917,7 @@ TEST_F(DeviceWithPlacesTest, HelpersSeeWhereSomebodyIsOnlyWhereThatPersonSaysSo)
   spot.stored.name = spot.thing.name = "my chair";
   const Told here = look_at(picture(), 1000);
   ASSERT_TRUE(here.seen && here.seen->position);
-  spot.thing.position_gravity =
+  spot.thing.position_plan =
       Eigen::Vector3d(here.seen->position->x_m + 3, here.seen->position->y_m, 1);
   host.walks_shown.clear();
   ask(1, 1100, service::Question::kTakeMeTo, "my chair");
@@ -935,7 +935,7 @@ TEST_F(DeviceWithPlacesTest, HelpersSeeWhereSomebodyIsOnlyWhereThatPersonSaysSo)
   EXPECT_NEAR(walk->person->x_m, here.seen->position->x_m, 0.05);
   EXPECT_NEAR(walk->person->heading_degrees, here.seen->position->heading_degrees, 3);
   ASSERT_GE(walk->way.size(), 2U);
-  EXPECT_NEAR(walk->way.back().x(), spot.thing.position_gravity->x(), 0.5);
+  EXPECT_NEAR(walk->way.back().x(), spot.thing.position_plan->x(), 0.5);
   ASSERT_TRUE(walk->left_m);
   EXPECT_NEAR(*walk->left_m, 3, 0.5);
 }

@@ -17,12 +17,12 @@ Expected<std::vector<Eigen::Vector2d>> obstacles_ahead(const image::DepthImage& 
   guide::ObstacleOptions options;
   const bool has_floor = map != nullptr && map->frame.has_floor;
   // Over stairs each step would be one, and who climbs them knows.
-  if (place && has_floor && map->frame.storeys.stairs_at(place->position_gravity().head<2>())) {
+  if (place && has_floor && map->frame.storeys.stairs_at(place->position_plan().head<2>())) {
     return std::vector<Eigen::Vector2d>();
   }
   if (place) {
-    options.up_camera = place->gravity_from_camera.rotation.inverse() * Eigen::Vector3d::UnitZ();
-    if (has_floor) options.camera_height_m = place->position_gravity().z();
+    options.up_camera = place->plan_from_camera.rotation.inverse() * Eigen::Vector3d::UnitZ();
+    if (has_floor) options.camera_height_m = place->position_plan().z();
   }
   return guide::obstacles_seen(depth, camera, options);
 }
@@ -30,12 +30,12 @@ Expected<std::vector<Eigen::Vector2d>> obstacles_ahead(const image::DepthImage& 
 }  // namespace
 
 double CameraPose::heading_rad() const {
-  const Eigen::Vector3d axis = gravity_from_camera.rotation * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d axis = plan_from_camera.rotation * Eigen::Vector3d::UnitZ();
   return std::atan2(axis.y(), axis.x());
 }
 
 guide::Pose CameraPose::on_floor() const {
-  return {position_gravity().head<2>(), heading_rad(), sigma_m};
+  return {position_plan().head<2>(), heading_rad(), sigma_m};
 }
 
 Expected<std::optional<rooms::RoomDecision>> FrameProcessor::decide(
@@ -100,9 +100,9 @@ Expected<void> FrameProcessor::look_for_own_things(const FrameImages& images, co
     SeenOwnThing seen{one.id, std::nullopt, std::nullopt};
     if (images.depth && result.place && camera_->calibrated) {
       const auto middle = pipeline::middle_by_depth(*images.depth, *camera_->calibrated, one.box);
-      if (middle) seen.place_gravity = result.place->gravity_from_camera * *middle;
+      if (middle) seen.place_plan = result.place->plan_from_camera * *middle;
     }
-    if (seen.place_gravity) seen.room = home.room_at(*seen.place_gravity);
+    if (seen.place_plan) seen.room = home.room_at(*seen.place_plan);
     if (!seen.room && result.place) seen.room = result.place->room;
     if (!seen.room && result.decision) seen.room = result.decision->room();
     result.own_things.push_back(std::move(seen));
@@ -125,7 +125,7 @@ Expected<FrameResult> FrameProcessor::look(CameraFrame frame,
   if (answer && answer->found()) {
     result.place = CameraPose{
         home->map->frame.on_plan(answer->world_from_camera), answer->position_sigma_m(), {}};
-    result.place->room = home->room_at(result.place->position_gravity());
+    result.place->room = home->room_at(result.place->position_plan());
   }
   ROOMWISE_TRY(result.decision, decide(color, frame.t_ms, answer, depth.has_value(), home));
   ROOMWISE_RETURN_IF_ERROR(look_for_own_things(*images, *home, result));

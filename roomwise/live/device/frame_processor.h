@@ -16,11 +16,11 @@ namespace roomwise::live {
 
 // Where a device's camera is, by the map.
 struct CameraPose {
-  geometry::RigidTransform gravity_from_camera;
+  geometry::RigidTransform plan_from_camera;
   double sigma_m = 0;               // of the position, along the direction that is known worst
   std::optional<std::string> room;  // by the layout
 
-  [[nodiscard]] Eigen::Vector3d position_gravity() const { return gravity_from_camera.translation; }
+  [[nodiscard]] Eigen::Vector3d position_plan() const { return plan_from_camera.translation; }
   // Of the optical axis over the floor, counter-clockwise from x, rad.
   [[nodiscard]] double heading_rad() const;
   [[nodiscard]] guide::Pose on_floor() const;
@@ -29,8 +29,8 @@ struct CameraPose {
 // A thing that somebody taught, in a picture.
 struct SeenOwnThing {
   home::OwnThingId id = 0;
-  std::optional<Eigen::Vector3d> place_gravity;  // its middle, where depth and the map tell it
-  std::optional<std::string> room;               // of the thing, else of the camera
+  std::optional<Eigen::Vector3d> place_plan;  // its middle, where depth and the map tell it
+  std::optional<std::string> room;            // of the thing, else of the camera
 };
 
 // What one frame told.
@@ -46,8 +46,8 @@ struct FrameResult {
   std::optional<guide::ObstacleAhead> obstacle;  // in the way of who goes where they face, by depth
   // How far ahead of them depth shows anything in their way, m, as far as obstacles are looked for.
   std::optional<double> seen_ahead_m;
-  // What a person could walk into, seen by depth: where on the floor, in the gravity-aligned frame;
-  // none where there is no place.
+  // What a person could walk into, seen by depth: where on the floor, on the plan; none where
+  // there is no place.
   std::vector<Eigen::Vector2d> obstacles;
   std::vector<SeenOwnThing> own_things;  // looked for once a second at most
   Bytes picture;                         // as the device sent it

@@ -15,10 +15,10 @@ namespace {
 
 TEST(CameraPose, TheHeadingIsThatOfTheOpticalAxis) {
   // A camera that looks along y: its z is the level's y, its y points down.
-  Eigen::Matrix3d gravity_from_camera;
-  gravity_from_camera << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  Eigen::Matrix3d plan_from_camera;
+  plan_from_camera << 1, 0, 0, 0, 0, 1, 0, -1, 0;
   CameraPose place;
-  place.gravity_from_camera = {Eigen::Quaterniond(gravity_from_camera), {1, 2, 1.3}};
+  place.plan_from_camera = {Eigen::Quaterniond(plan_from_camera), {1, 2, 1.3}};
   EXPECT_NEAR(place.heading_rad(), std::numbers::pi / 2, 1e-12);
 }
 
@@ -248,7 +248,7 @@ TEST_F(EyeWithPlaces, APictureThatAloneHasNoPlaceIsFollowedFromTheOneBefore) {
   const auto followed = follows.look(after, home_all_of("hall"));
   ASSERT_OK(followed);
   ASSERT_TRUE(followed->place);
-  EXPECT_LT((followed->place->position_gravity() - placed->place->position_gravity()).norm(), 0.05);
+  EXPECT_LT((followed->place->position_plan() - placed->place->position_plan()).norm(), 0.05);
   // Not over a gap in which anything may have happened.
   after.t_ms += 10'000;
   EXPECT_FALSE(follows.look(after, home_all_of("hall")).value().place);

@@ -57,9 +57,9 @@ Goal goal_of(const ViewedSpot& spot) {
   goal.kind = Goal::Kind::kSpot;
   goal.noun = {Noun::Kind::kThing, spot.thing.name};
   goal.room = spot.thing.room;
-  if (spot.thing.position_gravity) {
+  if (spot.thing.position_plan) {
     goal.outline.emplace();
-    goal.outline->middle_gravity = spot.thing.position_gravity->head<2>();
+    goal.outline->middle_plan = spot.thing.position_plan->head<2>();
   }
   return goal;
 }

@@ -26,7 +26,7 @@ std::shared_ptr<HomeView> home_with_microwave() {
   guide::KnownThing thing;
   thing.name = "microwave";
   thing.probability = 0.99;
-  thing.position_gravity = Eigen::Vector3d(4, 0, 1.2);
+  thing.position_plan = Eigen::Vector3d(4, 0, 1.2);
   thing.box_keyframe.size_m = {0.5, 0.5, 0.5};
   home->things = {thing};
   return home;
@@ -34,13 +34,13 @@ std::shared_ptr<HomeView> home_with_microwave() {
 
 // A camera 1.3 m up, that looks along x.
 FrameResult picture_at(const Eigen::Vector2d& place, double t_ms) {
-  Eigen::Matrix3d gravity_from_camera;
-  gravity_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  Eigen::Matrix3d plan_from_camera;
+  plan_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   FrameResult result;
   result.t_ms = t_ms;
   result.place.emplace();
-  result.place->gravity_from_camera = {Eigen::Quaterniond(gravity_from_camera),
-                                       {place.x(), place.y(), 1.3}};
+  result.place->plan_from_camera = {Eigen::Quaterniond(plan_from_camera),
+                                    {place.x(), place.y(), 1.3}};
   result.place->sigma_m = 0.03;
   return result;
 }
@@ -100,7 +100,7 @@ TEST_F(LedWalkTest, LeadsToADoorByItsRooms) {
     if (!led) return 0.0;
     const guide::Plan plan = led->plan_from(at(result));
     EXPECT_EQ(plan.status, guide::PlanStatus::kComplete);
-    return plan.touch_gravity.x();
+    return plan.touch_plan.x();
   };
   EXPECT_NEAR(goal_x_m("kitchen", "hall", "balcony"), 4.05, 0.15);
   EXPECT_NEAR(goal_x_m("hall", "kitchen", "balcony"), 4.05, 0.15);
@@ -150,7 +150,7 @@ TEST_F(LedWalkTest, WhatWasInTheWayBarsItForWhoAsksNextAndIsForgotten) {
 TEST_F(LedWalkTest, TellsWhatTheGoalLiesOn) {
   guide::KnownThing& shelf = home->things.emplace_back(home->things[0]);
   shelf.name = "shelf";
-  shelf.position_gravity->z() = 0.45;
+  shelf.position_plan->z() = 0.45;
   shelf.box_keyframe.size_m = {0.8, 0.8, 0.9};
   const FrameResult first = picture_at({0, 0}, t_ms);
   const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
@@ -229,7 +229,7 @@ TEST_F(LedWalkTest, WhoIsNotSeenIsAnsweredAndLedOnceTheyAre) {
 // Two steps and a body's radius are more than what "Obstacle ahead." is told of.
 TEST_F(LedWalkTest, NoStepIsToldUnseenTowardsWhatDepthShowsBeyondTheNextOne) {
   const FrameResult first = picture_at({3, 0}, t_ms);
-  home->things[0].position_gravity->x() = 0;
+  home->things[0].position_plan->x() = 0;
   for (const auto& [seen_ahead_m, is_told] : {std::pair(1.1, false), std::pair(1.5, true)}) {
     const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
     (void)led->begin(at(first));
@@ -251,7 +251,7 @@ TEST_F(LedWalkTest, NoStepIsToldUnseenTowardsWhatDepthShowsBeyondTheNextOne) {
 TEST_F(LedWalkTest, LeadsToAPlaceThatSomebodyMarked) {
   ViewedSpot& spot = home->spots.emplace_back();
   spot.stored.name = spot.thing.name = "my microwave";  // before the home's own
-  spot.thing.position_gravity = Eigen::Vector3d(2, 0, 1.3);
+  spot.thing.position_plan = Eigen::Vector3d(2, 0, 1.3);
   const FrameResult first = picture_at({0, 0}, t_ms);
   const auto led = LedWalk::to(ask_for("my microwave"), home, at(first));
   ASSERT_TRUE(led);
@@ -283,7 +283,7 @@ TEST_F(LedWalkTest, AWayOutThatSomebodyMarkedComesFirst) {
   home->things[0].name = "way out";
   ViewedSpot& spot = home->spots.emplace_back();
   spot.stored.name = spot.thing.name = "exit";
-  spot.thing.position_gravity = Eigen::Vector3d(2, 0, 1.3);
+  spot.thing.position_plan = Eigen::Vector3d(2, 0, 1.3);
   service::Ask out = ask_for("");
   out.is_way_out = true;
   const FrameResult first = picture_at({0, 0}, t_ms);

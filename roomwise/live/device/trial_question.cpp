@@ -24,10 +24,10 @@ FrameResult picture_at(const Eigen::Vector2d& place, double heading_degrees, con
   axes.col(0) = axes.col(1).cross(axes.col(2));
   FrameResult result;
   CameraPose& pose = result.place.emplace();
-  pose.gravity_from_camera = {Eigen::Quaterniond(axes),
-                              Eigen::Vector3d(place.x(), place.y(), kCameraHeight_m)};
+  pose.plan_from_camera = {Eigen::Quaterniond(axes),
+                           Eigen::Vector3d(place.x(), place.y(), kCameraHeight_m)};
   pose.sigma_m = kSigma_m;
-  pose.room = home.room_at(pose.position_gravity());
+  pose.room = home.room_at(pose.position_plan());
   if (pose.room && home.recognizer) {
     rooms::RoomDecision& decision = result.decision.emplace();
     decision.verdict = rooms::Verdict::kRoom;
@@ -164,7 +164,7 @@ TrialAnswer try_ask(const service::Ask& asked, const TrialQuestion& question,
   if (led && question.place) {
     const guide::Plan plan = led->plan_from(situation);
     answered.way = plan.route;
-    if (!plan.route.empty()) answered.goal = plan.touch_gravity;
+    if (!plan.route.empty()) answered.goal = plan.touch_plan;
     if (ask.question == service::Question::kTakeMeTo) {
       answered.along_way = ObedientWalker(*led, home, question).walk(plan.route);
     }

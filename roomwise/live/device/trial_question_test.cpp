@@ -23,7 +23,7 @@ std::shared_ptr<HomeView> home_with_stove() {
   guide::KnownThing stove;
   stove.name = "stove";
   stove.probability = 0.99;
-  stove.position_gravity = Eigen::Vector3d(4, 0, 0.5);
+  stove.position_plan = Eigen::Vector3d(4, 0, 0.5);
   stove.box_keyframe.size_m = {0.5, 0.5, 0.9};
   home->things = {stove};
   return home;
@@ -110,7 +110,7 @@ TEST(TrialQuestion, TakeMeBackLeadsToTheSpotAsOnTheDevice) {
   ViewedSpot& start = home->spots.emplace_back();
   start.thing.name = guide::kStartingPlace;
   start.thing.probability = 1;
-  start.thing.position_gravity = Eigen::Vector3d(3, 0, 0);
+  start.thing.position_plan = Eigen::Vector3d(3, 0, 0);
   const TrialAnswer led = try_question(question("take me back", {{0, 0}}), home);
   EXPECT_THAT(led.prompts.front().text, HasSubstr("starting place"));
   ASSERT_GE(led.way.size(), 2U);

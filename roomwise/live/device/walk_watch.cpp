@@ -28,7 +28,7 @@ void WalkWatch::say(std::span<const guide::Prompt> prompts, Time now) {
 
 void WalkWatch::place(const CameraPose& pose, Time came) {
   const guide::Pose at = pose.on_floor();
-  person_ = {to_ms(came), at.position_gravity.x(), at.position_gravity.y(),
+  person_ = {to_ms(came), at.position_plan.x(), at.position_plan.y(),
              at.heading_rad * 180 / std::numbers::pi, pose.sigma_m};
 }
 

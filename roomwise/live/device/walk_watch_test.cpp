@@ -64,7 +64,7 @@ TEST_F(WalkWatchTest, OnlyWhatTheGuideSaysAndHazardsAreShown) {
 TEST_F(WalkWatchTest, APlaceIsAsOldAsItsPicture) {
   EXPECT_FALSE(watch.shown(walk).person);
   CameraPose pose;
-  pose.gravity_from_camera.translation = {1, 2, 1.3};
+  pose.plan_from_camera.translation = {1, 2, 1.3};
   pose.sigma_m = 0.1;
   watch.place(pose, now - milliseconds(300));
   const auto person = watch.shown(walk).person;

@@ -40,7 +40,7 @@ struct TakenIn {
 struct OwnSighting {
   std::int64_t seen_s = 0;  // since 1970
   std::optional<std::string> room;
-  std::optional<Eigen::Vector3d> place_gravity;
+  std::optional<Eigen::Vector3d> place_plan;
   std::int64_t written_s = 0;  // seen_s of what the home has
 };
 // Those that the home has not, of things that were written then, or before, last.
@@ -198,7 +198,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
                                                 service::Question what) override;
 
   [[nodiscard]] Expected<void> mark_spot(const service::Identity& who, const std::string& name,
-                                         const Eigen::Vector3d& place_gravity) override;
+                                         const Eigen::Vector3d& place_plan) override;
   [[nodiscard]] Expected<void> change_spot(const service::Identity& who, const std::string& name,
                                            const std::optional<std::string>& new_name) override;
   [[nodiscard]] Expected<std::vector<guide::SeenPerson>> people_in(
@@ -206,7 +206,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
       const std::optional<geometry::PinholeCamera>& camera) const override {
     return live::people_in(images, camera, finders_.in_pictures);
   }
-  void sets_out(const service::Identity& who, const Eigen::Vector3d& place_gravity) override;
+  void sets_out(const service::Identity& who, const Eigen::Vector3d& place_plan) override;
   [[nodiscard]] std::vector<service::Identity> watchers(const service::Identity& of) const override;
   void shows_walk(const service::WatchedDevice& watched,
                   std::span<const service::Identity> to) override;

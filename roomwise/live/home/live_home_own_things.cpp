@@ -12,9 +12,9 @@ constexpr std::int64_t kBetweenWritings_s = 10;
 
 // The key-frame of the map that is nearest to a place, and the place in its camera's frame.
 std::optional<std::pair<home::KeyframeId, Eigen::Vector3d>> beside_keyframe(
-    const HomeView& view, const Eigen::Vector3d& place_gravity) {
+    const HomeView& view, const Eigen::Vector3d& place_plan) {
   if (!view.map) return std::nullopt;
-  const Eigen::Vector3d world = view.map->frame.world_from_plan(place_gravity);
+  const Eigen::Vector3d world = view.map->frame.world_from_plan(place_plan);
   const ViewedKeyframe* nearest = nullptr;
   const auto apart = [&](const ViewedKeyframe& one) {
     return (one.keyframe.pose.world_from_keyframe.translation - world).squaredNorm();
@@ -57,7 +57,7 @@ std::shared_ptr<const HomeView> LiveHome::view_for(const service::Identity& who)
 }
 
 guide::KnownThing LiveHome::with_sighting(guide::KnownThing thing, const OwnSighting& sighting) {
-  thing.position_gravity = sighting.place_gravity;
+  thing.position_plan = sighting.place_plan;
   thing.room = sighting.room;
   thing.seen = calendar_time(sighting.seen_s * kNanoseconds);
   return thing;
@@ -70,7 +70,7 @@ void LiveHome::note_own_things(const FrameResult& result) {
     const std::scoped_lock lock(view_mutex_);
     for (const SeenOwnThing& one : result.own_things) {
       OwnSighting& sighting = own_sightings_[one.id];
-      sighting = {now_s, one.room, one.place_gravity, sighting.written_s};
+      sighting = {now_s, one.room, one.place_plan, sighting.written_s};
     }
     views_of_devices_.clear();
   }
@@ -117,8 +117,8 @@ void LiveHome::store_own_sightings(std::int64_t before_s) {
   for (const auto& [id, sighting] : due) {
     home::OwnThingSighting stored{sighting.seen_s, without_gone_room(sighting, *now).room,
                                   std::nullopt, std::nullopt};
-    if (sighting.place_gravity) {
-      if (const auto beside = beside_keyframe(*now, *sighting.place_gravity)) {
+    if (sighting.place_plan) {
+      if (const auto beside = beside_keyframe(*now, *sighting.place_plan)) {
         stored.keyframe = beside->first;
         stored.middle_keyframe = beside->second;
       }

@@ -52,9 +52,9 @@ std::vector<ViewedSpot> LiveHome::spots_for(const service::Identity& who) const 
   return spots;
 }
 
-void LiveHome::sets_out(const service::Identity& who, const Eigen::Vector3d& place_gravity) {
+void LiveHome::sets_out(const service::Identity& who, const Eigen::Vector3d& place_plan) {
   const auto now = view();
-  const auto place = anchored(*now, place_gravity);
+  const auto place = anchored(*now, place_plan);
   if (!place) return;  // then nobody is led by the map either
   const std::scoped_lock lock(view_mutex_);
   if (!view_->map) return;  // it is made anew meanwhile
@@ -79,9 +79,9 @@ Expected<void> LiveHome::change_spots(const std::function<Expected<void>(home::H
 }
 
 Expected<void> LiveHome::mark_spot(const service::Identity& who, const std::string& name,
-                                   const Eigen::Vector3d& place_gravity) {
+                                   const Eigen::Vector3d& place_plan) {
   return change_spots([&](home::Home& home) -> Expected<void> {
-    ROOMWISE_TRY(const home::EditPlace place, anchored(*view(), place_gravity));
+    ROOMWISE_TRY(const home::EditPlace place, anchored(*view(), place_plan));
     return pipeline::mark_spot(home, {0, name, owner_of(who), options_.clock(), place})
         .map([](home::EditId) {});
   });

@@ -524,7 +524,7 @@ TEST(OwnSightings, NameNoRoomThatIsGone) {
   EXPECT_EQ(room_of("galley"), "galley");
   EXPECT_EQ(room_of("kitchen"), std::nullopt) << "it is called galley now";
   EXPECT_EQ(room_of({}), std::nullopt);
-  EXPECT_TRUE(without_gone_room({100, "kitchen", Eigen::Vector3d(1, 2, 3), 0}, now).place_gravity)
+  EXPECT_TRUE(without_gone_room({100, "kitchen", Eigen::Vector3d(1, 2, 3), 0}, now).place_plan)
       << "the place is what it was";
 }
 

@@ -26,7 +26,7 @@ Json wanted(const CoverageItem& item, const rooms::LearningOptions& learning) {
 }
 
 Json gap_json(const pipeline::FloorGap& gap) {
-  return {{"place", {gap.middle_gravity.x(), gap.middle_gravity.y()}},
+  return {{"place", {gap.middle_plan.x(), gap.middle_plan.y()}},
           {"length_m", gap.length_m},
           {"unseen", gap.is_unseen},
           {"beside", text_or_null(gap.beside)}};

@@ -86,7 +86,7 @@ Expected<pipeline::ThingTarget> asked_target(const Asked& asked, const std::stri
   Members members(asked.json);
   if (members.has("position")) {
     const auto at = members.numbers("position", 2, -kFarthest_m, kFarthest_m);
-    if (!members.error()) where.point_gravity = {at[0], at[1]};
+    if (!members.error()) where.point_plan = {at[0], at[1]};
   }
   if (members.has("height")) where.height_m = members.number("height", -kFarthest_m, kFarthest_m);
   if (members.has("room")) where.room = members.text("room");

@@ -37,7 +37,7 @@ Json room_json(const rooms::Room& room, const HomeView& view) {
   const auto extent = std::ranges::find(extents, room.name, &rooms::RoomExtent::name);
   if (extent != extents.end() && extent->floor_m2 > 0) {
     json["floor_m2"] = extent->floor_m2;
-    json["middle"] = json_of(extent->middle_gravity);
+    json["middle"] = json_of(extent->middle_plan);
   }
   return json;
 }
@@ -48,7 +48,7 @@ Json thing_json(const guide::KnownThing& thing) {
           {"name", thing.name},
           {"probability", thing.probability},
           {"room", or_null(thing.room)},
-          {"position", thing.position_gravity ? json_of(*thing.position_gravity) : Json(nullptr)},
+          {"position", thing.position_plan ? json_of(*thing.position_plan) : Json(nullptr)},
           {"size", json_of(thing.size_m())},
           {"keyframe", thing.keyframe_id},
           {"by_hand", thing.is_confirmed},
@@ -172,7 +172,7 @@ Json home_json(const HomeView& view) {
     for (const rooms::Doorway& doorway : view.layout->doorways()) {
       if (doorway.is_stairs) continue;
       json["doorways"].push_back({{"rooms", doorway.rooms},
-                                  {"middle", json_of(doorway.middle_gravity)},
+                                  {"middle", json_of(doorway.middle_plan)},
                                   {"door", doorway.is_door()}});
     }
   }
@@ -205,7 +205,7 @@ Json plan_json(const HomeView& view) {
     for (const rooms::Doorway& door : view.layout->doorways()) {
       if (door.is_stairs) continue;
       doors.push_back({{"rooms", door.rooms},
-                       {"middle", json_of(door.middle_gravity)},
+                       {"middle", json_of(door.middle_plan)},
                        {"width_m", door.width_m},
                        {"door", door.is_door()}});
     }

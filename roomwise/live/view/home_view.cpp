@@ -56,10 +56,10 @@ class ThingPlacer {
     const auto keyframe = seen.keyframe ? keyframes_.find(*seen.keyframe) : keyframes_.end();
     if (keyframe == keyframes_.end()) return thing;
     if (view_.map && seen.middle_keyframe) {
-      thing.position_gravity = view_.map->frame.on_plan(keyframe->second->pose.world_from_keyframe *
-                                                        *seen.middle_keyframe);
+      thing.position_plan = view_.map->frame.on_plan(keyframe->second->pose.world_from_keyframe *
+                                                     *seen.middle_keyframe);
     }
-    const auto by_place = pipeline::room_of_thing(thing.position_gravity, *seen.keyframe,
+    const auto by_place = pipeline::room_of_thing(thing.position_plan, *seen.keyframe,
                                                   view_.layout ? &*view_.layout : nullptr, rooms_);
     if (by_place) thing.room = by_place;
     return thing;
@@ -82,14 +82,14 @@ class ThingPlacer {
     if (is_known) thing.seen = calendar_time(keyframe->second->timestamp_ns);
     if (view_.map && is_known) {
       const home::KeyframePose& pose = keyframe->second->pose;
-      thing.position_gravity = pipeline::middle_on_map(instance, pose, view_.map->frame);
+      thing.position_plan = pipeline::middle_on_map(instance, pose, view_.map->frame);
       const Eigen::Vector3d along =
           view_.map->frame.gravity_from_world.rotation *
           (instance.box_world(pose.world_from_keyframe).world_from_box.rotation *
            Eigen::Vector3d::UnitX());
       thing.yaw_rad = std::atan2(along.y(), along.x());
     }
-    thing.room = pipeline::room_of_thing(thing.position_gravity, instance.keyframe_id,
+    thing.room = pipeline::room_of_thing(thing.position_plan, instance.keyframe_id,
                                          view_.layout ? &*view_.layout : nullptr, rooms_, put_in);
     return thing;
   }
@@ -242,14 +242,14 @@ void view_changes(const pipeline::HomeHistory& history, HomeView& view) {
 
 // People name a room a step early or late, and no floor tells where it ends: it is probable only.
 std::optional<rooms::RoomScore> room_by_walks(const HomeView& view,
-                                              const Eigen::Vector3d& point_gravity) {
+                                              const Eigen::Vector3d& point_plan) {
   constexpr double kAbout_m = 1, kProbable = 0.8;
   std::set<std::string> names;
   for (const ViewedKeyframe& one : view.keyframes) {
     if (!view.map || !one.on_map) continue;
     const Eigen::Vector3d taken_at =
         view.map->frame.on_plan(one.keyframe.pose.world_from_keyframe).translation;
-    if ((taken_at - point_gravity).norm() < kAbout_m) names.insert(one.room);
+    if ((taken_at - point_plan).norm() < kAbout_m) names.insert(one.room);
   }
   if (names.size() != 1 || names.begin()->empty()) return std::nullopt;
   return rooms::RoomScore{*names.begin(), kProbable};
@@ -292,15 +292,15 @@ std::set<home::RecordingId> HomeView::walks_taken_away() const {
   return taken;
 }
 
-std::optional<std::string> HomeView::room_at(const Eigen::Vector3d& point_gravity) const {
+std::optional<std::string> HomeView::room_at(const Eigen::Vector3d& point_plan) const {
   if (!layout) return std::nullopt;
-  return layout->room_at(point_gravity.head<2>());
+  return layout->room_at(point_plan.head<2>());
 }
 
-std::optional<rooms::RoomScore> HomeView::room_around(const Eigen::Vector3d& point_gravity,
+std::optional<rooms::RoomScore> HomeView::room_around(const Eigen::Vector3d& point_plan,
                                                       double sigma_m) const {
-  if (!layout) return room_by_walks(*this, point_gravity);
-  const std::vector<double> shares = layout->room_probabilities(point_gravity.head<2>(), sigma_m);
+  if (!layout) return room_by_walks(*this, point_plan);
+  const std::vector<double> shares = layout->room_probabilities(point_plan.head<2>(), sigma_m);
   const auto best = std::ranges::max_element(shares);
   if (best == shares.end() || *best == 0) return std::nullopt;
   return rooms::RoomScore{layout->rooms()[static_cast<std::size_t>(best - shares.begin())].name,
@@ -316,9 +316,9 @@ ViewedSpot view_spot(const pipeline::MarkedSpot& spot, const std::string& name,
   std::vector<home::Keyframe> keyframes;
   for (const ViewedKeyframe& one : view.keyframes) keyframes.push_back(one.keyframe);
   if (!view.map) return viewed;
-  viewed.thing.position_gravity = pipeline::point_on_plan(spot.place, keyframes, view.map->frame);
-  if (!viewed.thing.position_gravity) return viewed;
-  viewed.thing.room = view.room_at(*viewed.thing.position_gravity);
+  viewed.thing.position_plan = pipeline::point_on_plan(spot.place, keyframes, view.map->frame);
+  if (!viewed.thing.position_plan) return viewed;
+  viewed.thing.room = view.room_at(*viewed.thing.position_plan);
   return viewed;
 }
 

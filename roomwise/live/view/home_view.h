@@ -107,10 +107,10 @@ struct HomeView {
   // Walks that are not shown any more, though they are in the home until it is closed.
   [[nodiscard]] std::set<home::RecordingId> walks_taken_away() const;
   // The room that a point lies in by the layout.
-  [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector3d& point_gravity) const;
+  [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector3d& point_plan) const;
   // The room that a point, known with this standard deviation, most probably lies in, and how
   // probable that is. Where the map shows no floor, the one whose name the walks have all about it.
-  [[nodiscard]] std::optional<rooms::RoomScore> room_around(const Eigen::Vector3d& point_gravity,
+  [[nodiscard]] std::optional<rooms::RoomScore> room_around(const Eigen::Vector3d& point_plan,
                                                             double sigma_m) const;
 };
 

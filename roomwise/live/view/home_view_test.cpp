@@ -135,8 +135,8 @@ TEST(HomeViewOfSpots, PutsThemOnThePlanOfTheirStorey) {
   spot.place =
       pipeline::spot_place(std::array{upstairs.keyframe}, Eigen::Vector3d(1.5, 0.2, 3.5)).value();
   const ViewedSpot viewed = view_spot(spot, "my chair", view);
-  ASSERT_TRUE(viewed.thing.position_gravity);
-  EXPECT_LT((*viewed.thing.position_gravity - Eigen::Vector3d(13.5, 0.2, 1)).norm(), 1e-9);
+  ASSERT_TRUE(viewed.thing.position_plan);
+  EXPECT_LT((*viewed.thing.position_plan - Eigen::Vector3d(13.5, 0.2, 1)).norm(), 1e-9);
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ Expected<void> rename_frames_by_place(
       bool is_placed = false;
       for (const FrameOnFloor& one : frames) {
         if (one.index < range.first_frame || one.index > range.last_frame) continue;
-        const std::string room = room_of(range.room, one.point_gravity);
+        const std::string room = room_of(range.room, one.point_plan);
         if (is_placed && room != part.room) {
           part.last_frame = one.index - 1;
           parts.push_back(part);
@@ -87,10 +87,10 @@ Expected<void> rename_frames_by_place(
 
 Expected<std::vector<home::EditPlace>> places_of(const home::Home& home,
                                                  const fusion::GravityAlignedFrame& frame,
-                                                 std::span<const Vector2d> points_gravity) {
+                                                 std::span<const Vector2d> points_plan) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   std::vector<home::EditPlace> places;
-  for (const Vector2d& point : points_gravity) {
+  for (const Vector2d& point : points_plan) {
     if (!point.allFinite()) return fail("a point is not made of finite numbers");
     const Eigen::Vector3d world = frame.world_from_plan({point.x(), point.y(), 0});
     ROOMWISE_TRY(
@@ -149,8 +149,7 @@ Expected<FloorShares> floor_shares(const home::Home& home, const HomeFloor& floo
 }
 
 Expected<void> check_line(const FloorLine& line) {
-  if (line.from_gravity.allFinite() && line.to_gravity.allFinite() &&
-      line.from_gravity != line.to_gravity) {
+  if (line.from_plan.allFinite() && line.to_plan.allFinite() && line.from_plan != line.to_plan) {
     return {};
   }
   return fail("a line needs two points that are not the same");
@@ -321,7 +320,7 @@ Expected<home::EditId> divide_room(home::Home& home, const EditAuthor& author,
   ROOMWISE_RETURN_IF_ERROR(check_has_room(home, room));
   ROOMWISE_RETURN_IF_ERROR(check_is_new(home, new_room));
   ROOMWISE_RETURN_IF_ERROR(check_line(line));
-  const rooms::BorderLine border{new_room, room, line.from_gravity, line.to_gravity};
+  const rooms::BorderLine border{new_room, room, line.from_plan, line.to_plan};
   ROOMWISE_TRY(const FloorShares shares, floor_shares(home, floor, border));
   if (!shares.now.contains(room)) return fail("the map shows no floor of the room {}", room);
   if (!shares.then.contains(new_room) || !shares.then.contains(room)) {
@@ -330,8 +329,7 @@ Expected<home::EditId> divide_room(home::Home& home, const EditAuthor& author,
   StoredEdit edit = edit_by(author, EditKind::kDivideRoom);
   edit.change.room = room;
   edit.change.other_room = new_room;
-  ROOMWISE_TRY(edit.places,
-               places_of(home, floor.frame, std::array{line.from_gravity, line.to_gravity}));
+  ROOMWISE_TRY(edit.places, places_of(home, floor.frame, std::array{line.from_plan, line.to_plan}));
   return record(home, std::move(edit), [&]() -> Expected<void> {
     ROOMWISE_RETURN_IF_ERROR(add_room(home, new_room));
     return rename_frames_by_place(home, floor.frame,
@@ -348,7 +346,7 @@ Expected<home::EditId> move_border(home::Home& home, const EditAuthor& author,
   ROOMWISE_RETURN_IF_ERROR(check_has_room(home, right));
   if (left == right) return fail("a room has no border with itself");
   ROOMWISE_RETURN_IF_ERROR(check_line(line));
-  const rooms::BorderLine border{left, right, line.from_gravity, line.to_gravity};
+  const rooms::BorderLine border{left, right, line.from_plan, line.to_plan};
   ROOMWISE_TRY(const FloorShares shares, floor_shares(home, floor, border));
   if (shares.changed == 0) {
     return fail("the line changes nothing: all floor of {} and {} lies where it puts it", left,
@@ -362,8 +360,7 @@ Expected<home::EditId> move_border(home::Home& home, const EditAuthor& author,
   StoredEdit edit = edit_by(author, EditKind::kMoveBorder);
   edit.change.room = left;
   edit.change.other_room = right;
-  ROOMWISE_TRY(edit.places,
-               places_of(home, floor.frame, std::array{line.from_gravity, line.to_gravity}));
+  ROOMWISE_TRY(edit.places, places_of(home, floor.frame, std::array{line.from_plan, line.to_plan}));
   return record(home, std::move(edit), [&] {
     return rename_frames_by_place(home, floor.frame,
                                   [&](const std::string& of, const Vector2d& point) {
@@ -375,18 +372,17 @@ Expected<home::EditId> move_border(home::Home& home, const EditAuthor& author,
 
 Expected<home::EditId> draw_room(home::Home& home, const EditAuthor& author, const HomeFloor& floor,
                                  const std::string& room,
-                                 const std::vector<Vector2d>& outline_gravity) {
+                                 const std::vector<Vector2d>& outline_plan) {
   constexpr std::size_t kFewest = 3, kMost = 100;
   const bool is_new = !check_has_room(home, room);
   if (is_new) ROOMWISE_RETURN_IF_ERROR(check_is_new(home, room));
-  if (outline_gravity.size() < kFewest || outline_gravity.size() > kMost) {
-    return fail("an outline needs {} to {} corners, not {}", kFewest, kMost,
-                outline_gravity.size());
+  if (outline_plan.size() < kFewest || outline_plan.size() > kMost) {
+    return fail("an outline needs {} to {} corners, not {}", kFewest, kMost, outline_plan.size());
   }
   StoredEdit edit = edit_by(author, EditKind::kDrawRoom);
   edit.change.room = room;
-  ROOMWISE_TRY(edit.places, places_of(home, floor.frame, outline_gravity));
-  const rooms::DrawnRoom drawn{room, outline_gravity};
+  ROOMWISE_TRY(edit.places, places_of(home, floor.frame, outline_plan));
+  const rooms::DrawnRoom drawn{room, outline_plan};
   ROOMWISE_TRY(const FloorShares shares, floor_shares(home, floor, drawn));
   if (shares.changed == 0) {
     return fail("the outline changes nothing: it holds no floor that is not {}'s already", room);
@@ -407,14 +403,14 @@ Expected<home::EditId> draw_room(home::Home& home, const EditAuthor& author, con
 
 Expected<home::EditId> add_door(home::Home& home, const EditAuthor& author, const HomeFloor& floor,
                                 const std::array<std::string, 2>& rooms,
-                                const Vector2d& middle_gravity) {
+                                const Vector2d& middle_plan) {
   for (const std::string& room : rooms) ROOMWISE_RETURN_IF_ERROR(check_has_room(home, room));
   if (rooms[0] == rooms[1])
     return fail("a door leads between two rooms, not from {} to itself", rooms[0]);
   StoredEdit edit = edit_by(author, EditKind::kAddDoor);
   edit.change.room = std::min(rooms[0], rooms[1]);
   edit.change.other_room = std::max(rooms[0], rooms[1]);
-  ROOMWISE_TRY(edit.places, places_of(home, floor.frame, std::array{middle_gravity}));
+  ROOMWISE_TRY(edit.places, places_of(home, floor.frame, std::array{middle_plan}));
   return record(home, std::move(edit), [] { return Expected<void>(); });
 }
 

@@ -12,7 +12,7 @@
 
 // What people change of rooms. Each is kept as a row of its own and can be undone (undo_edit.h).
 // All fail, changing nothing, where a name cannot be one of a room, or the change would change
-// nothing. Points are in the gravity-aligned frame, m.
+// nothing. Points are on the plan (fusion/storeys.h), m.
 namespace roomwise::pipeline {
 
 // A room goes on with its type, what was learned of it and what was said of it.
@@ -42,7 +42,7 @@ void number_stays(std::vector<recording::RoomRange>& ranges);
 
 // A line on the floor, from where one looks along it.
 struct FloorLine {
-  Eigen::Vector2d from_gravity = Eigen::Vector2d::Zero(), to_gravity = Eigen::Vector2d::Zero();
+  Eigen::Vector2d from_plan = Eigen::Vector2d::Zero(), to_plan = Eigen::Vector2d::Zero();
 };
 
 // Of the room's floor, and of the frames taken on it, what lies left of the line is `new_room`'s.
@@ -60,11 +60,11 @@ struct FloorLine {
 // it holds no floor of another room.
 [[nodiscard]] Expected<home::EditId> draw_room(home::Home& home, const EditAuthor& author,
                                                const HomeFloor& floor, const std::string& room,
-                                               const std::vector<Eigen::Vector2d>& outline_gravity);
+                                               const std::vector<Eigen::Vector2d>& outline_plan);
 // One gets from one room to the other there.
 [[nodiscard]] Expected<home::EditId> add_door(home::Home& home, const EditAuthor& author,
                                               const HomeFloor& floor,
                                               const std::array<std::string, 2>& rooms,
-                                              const Eigen::Vector2d& middle_gravity);
+                                              const Eigen::Vector2d& middle_plan);
 
 }  // namespace roomwise::pipeline

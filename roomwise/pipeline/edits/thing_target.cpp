@@ -17,7 +17,7 @@ Expected<Eigen::Vector2d> middle_of_room(const home::Home& home,
   }
   if (layout != nullptr) {
     const auto extent = std::ranges::find(layout->rooms(), room, &rooms::RoomExtent::name);
-    if (extent != layout->rooms().end() && extent->floor_m2 > 0) return extent->middle_gravity;
+    if (extent != layout->rooms().end() && extent->floor_m2 > 0) return extent->middle_plan;
   }
   ROOMWISE_TRY(const KeyframeRooms rooms, rooms_of_keyframes(home));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
@@ -45,15 +45,15 @@ double height_of(const fusion::GravityAlignedFrame& frame, const std::string& na
 Expected<ThingTarget> target_of(const home::Home& home, const fusion::GravityAlignedFrame& frame,
                                 const rooms::RoomLayout* layout, const SaidPlace& where,
                                 const std::string& name, const HomeThing* before) {
-  if (where.point_gravity && !where.point_gravity->allFinite()) {
+  if (where.point_plan && !where.point_plan->allFinite()) {
     return fail("the place is not made of finite numbers");
   }
-  if (!where.point_gravity && where.room.empty()) {
+  if (!where.point_plan && where.room.empty()) {
     return fail("a thing needs a place: a point on the floor, or a room");
   }
   Eigen::Vector2d point = Eigen::Vector2d::Zero();
-  if (where.point_gravity) {
-    point = *where.point_gravity;
+  if (where.point_plan) {
+    point = *where.point_plan;
   } else {
     ROOMWISE_TRY(point, middle_of_room(home, frame, layout, where.room));
   }

@@ -12,8 +12,8 @@ namespace roomwise::pipeline {
 
 // Where somebody says that a thing is, as people do.
 struct SaidPlace {
-  std::optional<Eigen::Vector2d> point_gravity = std::nullopt;  // on the floor, m
-  std::optional<double> height_m = std::nullopt;                // of its middle, above the floor
+  std::optional<Eigen::Vector2d> point_plan = std::nullopt;  // on the floor, m
+  std::optional<double> height_m = std::nullopt;             // of its middle, above the floor
   std::string room = {};  // in this room; where there is no point
 };
 

@@ -58,13 +58,13 @@ Json room_json(const rooms::Room& room, const HomeContents& contents) {
   const auto extent = std::ranges::find(extents, room.name, &rooms::RoomExtent::name);
   if (extent == extents.end() || extent->floor_m2 == 0) return json;
   json["floor_m2"] = extent->floor_m2;
-  json["middle_m"] = floor_json(extent->middle_gravity, contents);
+  json["middle_m"] = floor_json(extent->middle_plan, contents);
   json["polygons"] = polygons_json(room_cells(*contents.floor.grid, *contents.layout,
                                               static_cast<std::size_t>(extent - extents.begin())),
                                    contents);
   json["neighbors"] = contents.layout->neighbors(room.name);
   if (contents.storeys().are_several()) {
-    json["storey"] = contents.storeys().at_plan(extent->middle_gravity);
+    json["storey"] = contents.storeys().at_plan(extent->middle_plan);
   }
   return json;
 }
@@ -76,11 +76,11 @@ Json doors_json(const HomeContents& contents, bool are_openings) {
   for (const rooms::Doorway& door : contents.layout->doorways()) {
     if (door.is_stairs || door.is_door() == are_openings) continue;
     doors.push_back({{"rooms", door.rooms},
-                     {"middle_m", floor_json(door.middle_gravity, contents)},
+                     {"middle_m", floor_json(door.middle_plan, contents)},
                      {"width_m", door.width_m > 0 ? Json(door.width_m) : Json(nullptr)},
                      {"walked", door.is_walked}});
     if (contents.storeys().are_several()) {
-      doors.back()["storey"] = contents.storeys().at_plan(door.middle_gravity);
+      doors.back()["storey"] = contents.storeys().at_plan(door.middle_plan);
     }
   }
   return doors;

@@ -156,10 +156,10 @@ class PlanContents {
       if (extent.floor_m2 == 0) continue;
       RoomInPlan room;
       room.name = extent.name;
-      room.storey = contents_.storeys().at_plan(extent.middle_gravity);
-      room.middle_gravity = contents_.place_gravity(extent.middle_gravity);
+      room.storey = contents_.storeys().at_plan(extent.middle_plan);
+      room.middle_gravity = contents_.place_gravity(extent.middle_plan);
       room.parts = geometry::cell_outlines(room_cells(grid, layout, i));
-      const Vector2d middle = (extent.middle_gravity - grid.origin_m()) / grid.cell_m();
+      const Vector2d middle = (extent.middle_plan - grid.origin_m()) / grid.cell_m();
       std::ranges::stable_partition(
           room.parts, [&](const CellPolygon& part) { return is_inside(part, middle); });
       const auto named = std::ranges::find(contents_.rooms, extent.name, &rooms::Room::name);
@@ -173,14 +173,14 @@ class PlanContents {
     for (const rooms::Doorway& door : contents_.layout->doorways()) {
       const auto from = by_name_.find(door.rooms[0]), to = by_name_.find(door.rooms[1]);
       if (door.is_stairs || from == by_name_.end() || to == by_name_.end()) continue;
-      const Vector3d middle = contents_.place_gravity(door.middle_gravity);
+      const Vector3d middle = contents_.place_gravity(door.middle_plan);
       // Where two rooms are open to each other there is none for a plan's reader to look for.
       const std::string kind = door.is_door() ? "door" : "opening";
       std::size_t& of_kind = door.is_door() ? doors_only : openings;
       doors.push_back(
           {fmt::format("{}-{}", kind, ++of_kind),
            kind,
-           fact("type", kind) + fact("storey", contents_.storeys().at_plan(door.middle_gravity)) +
+           fact("type", kind) + fact("storey", contents_.storeys().at_plan(door.middle_plan)) +
                length_fact("width_m", door.width_m) +
                fact("walked", door.is_walked ? "true" : "false"),
            from->second,

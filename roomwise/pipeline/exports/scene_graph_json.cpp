@@ -140,7 +140,7 @@ class SceneGraphWriter {
       }
     }
     if (extent.isEmpty()) {
-      extent = Eigen::AlignedBox2d(contents_.layout->rooms()[room].middle_gravity);
+      extent = Eigen::AlignedBox2d(contents_.layout->rooms()[room].middle_plan);
     }
     geometry::OrientedBox box;
     box.world_from_box.translation = contents_.place_gravity(extent.center());
@@ -154,7 +154,7 @@ class SceneGraphWriter {
       if (extents[i].floor_m2 == 0) continue;
       const std::uint64_t id = node_id('R', rooms_.size());
       rooms_[extents[i].name] = id;
-      const Eigen::Vector3d middle = contents_.place_gravity(extents[i].middle_gravity);
+      const Eigen::Vector3d middle = contents_.place_gravity(extents[i].middle_plan);
       ordered_json attributes = semantic_attributes("RoomNodeAttributes", extents[i].name, middle,
                                                     box_json("AABB", floor_box(i)));
       attributes["semantic_class_probabilities"] = ordered_json::object();
@@ -207,13 +207,13 @@ class SceneGraphWriter {
   // What is known of a way between rooms, at its middle; of stairs, which the layout draws where
   // they begin.
   ordered_json way_json(const rooms::Doorway& door) const {
-    const Eigen::Vector3d middle = contents_.place_gravity(door.middle_gravity);
+    const Eigen::Vector3d middle = contents_.place_gravity(door.middle_plan);
     double width_m = door.width_m;
     ordered_json way;
     way[way_of(door)] = {middle.x(), middle.y()};
     const auto& flights = contents_.storeys().stairs();
     const auto flight = std::ranges::find_if(flights, [&](const fusion::Staircase& one) {
-      return door.is_stairs && one.below_plan == door.middle_gravity;
+      return door.is_stairs && one.below_plan == door.middle_plan;
     });
     if (flight != flights.end()) {
       width_m = flight->width_m;

@@ -94,7 +94,7 @@ std::vector<NamedOutline> outlines_of_rooms(const HomeContents& contents) {
     if (extents[i].floor_m2 == 0) continue;
     NamedOutline outline{.id = fmt::format("room {}", i + 1),
                          .name = extents[i].name,
-                         .name_at = contents.place_gravity(extents[i].middle_gravity),
+                         .name_at = contents.place_gravity(extents[i].middle_plan),
                          .rings = {}};
     const auto add = [&](const geometry::CellRing& ring) {
       auto& corners = outline.rings.emplace_back();

@@ -18,8 +18,8 @@ using fusion::FloorCell;
 
 // A camera over the floor.
 struct FloorView {
-  geometry::RigidTransform camera_from_gravity;
-  Eigen::Vector3d at_gravity;
+  geometry::RigidTransform camera_from_plan;
+  Eigen::Vector3d at_plan;
   const geometry::PinholeCamera* camera = nullptr;
   std::optional<std::string> room;
 };
@@ -102,10 +102,10 @@ class FloorGapFinder {
   [[nodiscard]] bool is_seen_from_near(Cell cell, const std::string& room) const {
     const Eigen::Vector2d middle = grid_.cell_middle_m(cell.column, cell.row);
     return std::ranges::any_of(views_, [&](const FloorView& view) {
-      const Eigen::Vector2d at = view.at_gravity.head<2>();
+      const Eigen::Vector2d at = view.at_plan.head<2>();
       if ((middle - at).norm() > options_.near_m) return false;
       const Eigen::Vector3d point =
-          view.camera_from_gravity * Eigen::Vector3d(middle.x(), middle.y(), view.at_gravity.z());
+          view.camera_from_plan * Eigen::Vector3d(middle.x(), middle.y(), view.at_plan.z());
       // Where it stands below or above in the picture is left open: heads and hands nod.
       if (point.z() <= 0) return false;
       const double x_px = view.camera->fx * point.x() / point.z() + view.camera->cx;
@@ -224,7 +224,7 @@ void add_neighboring_things(std::span<const HomeThing> things,
     for (const HomeThing& thing : things) {
       const auto middle = middle_on_map(thing, keyframes[thing.keyframe_id].pose, frame);
       if (!middle) continue;
-      const double distance_m = (middle->head<2>() - gap.middle_gravity).norm();
+      const double distance_m = (middle->head<2>() - gap.middle_plan).norm();
       if (distance_m > nearest_m) continue;
       nearest_m = distance_m;
       gap.beside = thing.name;
@@ -248,11 +248,11 @@ Expected<std::vector<FloorGap>> find_floor_gaps(const home::Home& home, const Ho
   std::vector<FloorView> views;
   for (const home::Keyframe& one : keyframes) {
     if (one.pose.component != 0) continue;
-    const geometry::RigidTransform gravity_from_camera =
+    const geometry::RigidTransform plan_from_camera =
         layout.frame.on_plan(one.pose.world_from_keyframe);
-    views.push_back({gravity_from_camera.inverse(), gravity_from_camera.translation,
+    views.push_back({plan_from_camera.inverse(), plan_from_camera.translation,
                      &cameras.at(one.recording),
-                     layout.layout.room_at(gravity_from_camera.translation.head<2>())});
+                     layout.layout.room_at(plan_from_camera.translation.head<2>())});
   }
   std::vector<FloorGap> gaps = FloorGapFinder(layout, std::move(views), options).find();
   ROOMWISE_TRY(const HomeThings things, find_home_things(home));

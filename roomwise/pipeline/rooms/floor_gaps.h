@@ -18,7 +18,7 @@ struct FloorGap {
   // Of what is unseen the length of the edge to the floor that was seen: how far it goes on is not
   // known. Of the rest its own. From end to end, m.
   double length_m = 0;
-  Eigen::Vector2d middle_gravity = Eigen::Vector2d::Zero();  // of the edge, or of the floor, m
+  Eigen::Vector2d middle_plan = Eigen::Vector2d::Zero();  // of the edge, or of the floor, m
   std::string beside;  // the thing that stands nearest, within 1.5 m; empty: none
 };
 

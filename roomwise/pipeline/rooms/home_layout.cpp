@@ -140,11 +140,11 @@ Expected<std::optional<rooms::RoomLayout>> find_room_layout(
     std::optional<std::size_t> storey;
     for (const FrameOnFloor& one : frames) {
       // A path lies on one storey: between two there is no floor that it led over.
-      const std::size_t here = frame.storeys.at_plan(one.point_gravity);
+      const std::size_t here = frame.storeys.at_plan(one.point_plan);
       if (storey && *storey != here) walks.emplace_back();
       storey = here;
       const recording::RoomRange* const range = labels.find(one.index);
-      walks.back().push_back({one.point_gravity, range != nullptr ? range->room : std::string()});
+      walks.back().push_back({one.point_plan, range != nullptr ? range->room : std::string()});
     }
   }
   ROOMWISE_TRY(const auto edits, layout_edits(home, frame));

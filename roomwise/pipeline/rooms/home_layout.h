@@ -10,7 +10,7 @@
 
 namespace roomwise::pipeline {
 
-// A home's rooms on its floor, in the gravity-aligned frame.
+// A home's rooms on its floor; grid and layout lie on the plan of `frame`.
 struct HomeLayout {
   fusion::GravityAlignedFrame frame;
   fusion::FloorGrid grid;
@@ -25,7 +25,7 @@ struct HomeLayout {
 // places.
 struct FrameOnFloor {
   std::uint64_t index = 0;
-  Eigen::Vector2d point_gravity = Eigen::Vector2d::Zero();
+  Eigen::Vector2d point_plan = Eigen::Vector2d::Zero();
 };
 [[nodiscard]] Expected<std::vector<FrameOnFloor>> frames_on_floor(
     const home::Home& home, home::RecordingId recording, const fusion::GravityAlignedFrame& frame);

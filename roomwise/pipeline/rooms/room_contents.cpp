@@ -122,10 +122,10 @@ Expected<std::map<std::string, rooms::RoomContents>> room_contents(
   for (const home::Keyframe& keyframe : keyframes) poses[keyframe.id] = keyframe.pose;
   const rooms::RoomLayout* const rooms_on_floor = layout ? &layout->layout : nullptr;
   for (const HomeThing& instance : things.things) {
-    std::optional<Eigen::Vector3d> middle_gravity;
+    std::optional<Eigen::Vector3d> middle_plan;
     if (layout)
-      middle_gravity = middle_on_map(instance, poses.at(instance.keyframe_id), layout->frame);
-    const auto room = room_of_thing(middle_gravity, instance.keyframe_id, rooms_on_floor,
+      middle_plan = middle_on_map(instance, poses.at(instance.keyframe_id), layout->frame);
+    const auto room = room_of_thing(middle_plan, instance.keyframe_id, rooms_on_floor,
                                     keyframe_rooms, instance.room);
     if (!room) continue;
     double& probability = contents[*room][instance.name];

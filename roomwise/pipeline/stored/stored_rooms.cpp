@@ -25,13 +25,13 @@ std::optional<Eigen::Vector3d> middle_on_map(const objects::Instance& thing,
   return frame.on_plan(thing.box_world(pose.world_from_keyframe).center());
 }
 
-std::optional<std::string> room_of_thing(const std::optional<Eigen::Vector3d>& middle_gravity,
+std::optional<std::string> room_of_thing(const std::optional<Eigen::Vector3d>& middle_plan,
                                          home::KeyframeId shows_best,
                                          const rooms::RoomLayout* layout,
                                          const KeyframeRooms& keyframe_rooms,
                                          const std::optional<std::string>& put_in) {
-  if (layout && middle_gravity) {
-    if (auto room = layout->room_at(middle_gravity->head<2>())) return room;
+  if (layout && middle_plan) {
+    if (auto room = layout->room_at(middle_plan->head<2>())) return room;
   }
   if (put_in) return put_in;
   const auto shows = keyframe_rooms.find(shows_best);

@@ -26,11 +26,11 @@ using KeyframeRooms = std::map<home::KeyframeId, std::string>;
 
 // The room that a thing stands in: that on whose floor its middle lies, where it is known where the
 // rooms lie; else that in which the key-frame was taken that shows it best. Nothing where neither
-// tells. `middle_gravity`: m; absent where the thing has no place on the map. `layout`: nullptr
+// tells. `middle_plan`: m; absent where the thing has no place on the map. `layout`: nullptr
 // where it is not known where the rooms lie. `put_in`: the room that somebody put it in by hand,
 // where its floor does not tell.
 [[nodiscard]] std::optional<std::string> room_of_thing(
-    const std::optional<Eigen::Vector3d>& middle_gravity, home::KeyframeId shows_best,
+    const std::optional<Eigen::Vector3d>& middle_plan, home::KeyframeId shows_best,
     const rooms::RoomLayout* layout, const KeyframeRooms& keyframe_rooms,
     const std::optional<std::string>& put_in = std::nullopt);
 

@@ -110,13 +110,13 @@ FreeFloor free_floor(const FloorGrid& grid, std::span<const WalkedPath> walks) {
   };
   for (const WalkedPath& walk : walks) {
     for (std::size_t i = 0; i < walk.size(); ++i) {
-      stand_at(walk[i].point_gravity);
+      stand_at(walk[i].point_plan);
       if (i == 0) continue;
-      const Vector2d step = walk[i].point_gravity - walk[i - 1].point_gravity;
+      const Vector2d step = walk[i].point_plan - walk[i - 1].point_plan;
       if (!(step.norm() <= kLongestStep_m)) continue;
       const int parts = static_cast<int>(std::ceil(step.norm() / grid.cell_m()));
       for (int part = 1; part < parts; ++part) {
-        stand_at(walk[i - 1].point_gravity + step * part / parts);
+        stand_at(walk[i - 1].point_plan + step * part / parts);
       }
     }
   }

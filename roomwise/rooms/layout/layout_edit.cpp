@@ -33,17 +33,17 @@ std::int16_t edited(const AddedDoor&, std::span<const std::string>, const Vector
 
 }  // namespace
 
-bool BorderLine::is_left(const Vector2d& point_gravity) const {
-  const Vector2d along = to_gravity - from_gravity, to = point_gravity - from_gravity;
+bool BorderLine::is_left(const Vector2d& point_plan) const {
+  const Vector2d along = to_plan - from_plan, to = point_plan - from_plan;
   return along.x() * to.y() - along.y() * to.x() > 0;
 }
 
 bool DrawnRoom::contains(const Vector2d& p) const {
   // A ray to the right leaves the outline as often as it enters it, or once more.
   bool is_inside = false;
-  for (std::size_t i = 0; i < outline_gravity.size(); ++i) {
-    const Vector2d& a = outline_gravity[i];
-    const Vector2d& b = outline_gravity[(i + 1) % outline_gravity.size()];
+  for (std::size_t i = 0; i < outline_plan.size(); ++i) {
+    const Vector2d& a = outline_plan[i];
+    const Vector2d& b = outline_plan[(i + 1) % outline_plan.size()];
     if ((a.y() > p.y()) == (b.y() > p.y())) continue;
     const double x = a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
     if (p.x() < x) is_inside = !is_inside;

@@ -11,7 +11,7 @@
 #include "roomwise/rooms/layout/floor_rooms.h"
 #include "roomwise/rooms/layout/named_walks.h"
 
-// What somebody who knows the home says of where its rooms lie, in the gravity-aligned frame, m.
+// What somebody who knows the home says of where its rooms lie, on the plan (fusion/storeys.h), m.
 // Each overrules what walks show, and what was said before it.
 namespace roomwise::rooms {
 
@@ -19,23 +19,23 @@ namespace roomwise::rooms {
 // are `left`'s, the others `right`'s.
 struct BorderLine {
   std::string left, right;
-  Eigen::Vector2d from_gravity = Eigen::Vector2d::Zero(), to_gravity = Eigen::Vector2d::Zero();
+  Eigen::Vector2d from_plan = Eigen::Vector2d::Zero(), to_plan = Eigen::Vector2d::Zero();
 
-  [[nodiscard]] bool is_left(const Eigen::Vector2d& point_gravity) const;
+  [[nodiscard]] bool is_left(const Eigen::Vector2d& point_plan) const;
 };
 
 // The floor inside the outline is the room's, and what stands on it.
 struct DrawnRoom {
   std::string room;
-  std::vector<Eigen::Vector2d> outline_gravity;  // its corners, three or more
+  std::vector<Eigen::Vector2d> outline_plan;  // its corners, three or more
 
-  [[nodiscard]] bool contains(const Eigen::Vector2d& point_gravity) const;
+  [[nodiscard]] bool contains(const Eigen::Vector2d& point_plan) const;
 };
 
 // One gets from one room to the other here.
 struct AddedDoor {
   std::array<std::string, 2> rooms;  // by name
-  Eigen::Vector2d middle_gravity = Eigen::Vector2d::Zero();
+  Eigen::Vector2d middle_plan = Eigen::Vector2d::Zero();
 };
 
 using LayoutEdit = std::variant<BorderLine, DrawnRoom, AddedDoor>;

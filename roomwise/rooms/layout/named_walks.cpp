@@ -25,7 +25,7 @@ std::vector<double> lengths_along(const WalkedPath& walk) {
   std::vector<double> along_m;
   for (std::size_t i = 0; i < walk.size(); ++i) {
     along_m.push_back(
-        i == 0 ? 0 : along_m.back() + (walk[i].point_gravity - walk[i - 1].point_gravity).norm());
+        i == 0 ? 0 : along_m.back() + (walk[i].point_plan - walk[i - 1].point_plan).norm());
   }
   return along_m;
 }
@@ -42,7 +42,7 @@ std::vector<double> read_nameless(const WalkedPath& walk, double unsure_path_m, 
       const double from_end_m =
           std::min(along_m[i] - along_m[first], along_m[end - 1] - along_m[i]);
       if (!(from_end_m > unsure_path_m)) continue;
-      read.nameless.push_back(walk[i].point_gravity);
+      read.nameless.push_back(walk[i].point_plan);
       has_deep_places = true;
     }
     if (has_deep_places && first > 0) ends_m.push_back(along_m[first]);
@@ -59,7 +59,7 @@ void read_walk(const WalkedPath& walk, double unsure_path_m, NamedWalks& read) {
   const WalkedPlace* before = nullptr;
   bool is_unbroken = true;  // since the last named place
   for (const WalkedPlace& place : walk) {
-    if (before != nullptr) length_m += (place.point_gravity - before->point_gravity).norm();
+    if (before != nullptr) length_m += (place.point_plan - before->point_plan).norm();
     before = &place;
     if (place.room.empty()) {
       is_unbroken = false;
@@ -69,14 +69,14 @@ void read_walk(const WalkedPath& walk, double unsure_path_m, NamedWalks& read) {
                                                 read.names.begin());
     if (!named.empty() && named.back().room != room) {
       // Where the walk was lost or unnamed in between, there may be other rooms.
-      const double gap_m = (place.point_gravity - named.back().place).norm();
+      const double gap_m = (place.point_plan - named.back().place).norm();
       if (is_unbroken && gap_m <= kLongestGap_m) {
         read.crossings.push_back(
-            {named.back().room, room, (named.back().place + place.point_gravity) / 2});
+            {named.back().room, room, (named.back().place + place.point_plan) / 2});
       }
       crossings_m.push_back((along_m.back() + length_m) / 2);
     }
-    named.push_back({room, place.point_gravity, std::numeric_limits<double>::infinity()});
+    named.push_back({room, place.point_plan, std::numeric_limits<double>::infinity()});
     is_unbroken = true;
     along_m.push_back(length_m);
   }

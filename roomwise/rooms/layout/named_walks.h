@@ -9,10 +9,10 @@
 
 namespace roomwise::rooms {
 
-// Where the walker stood, in the gravity-aligned frame (m), and in which room that was; no name:
+// Where the walker stood, on the plan (fusion/storeys.h; m), and in which room that was; no name:
 // not known.
 struct WalkedPlace {
-  Eigen::Vector2d point_gravity = Eigen::Vector2d::Zero();
+  Eigen::Vector2d point_plan = Eigen::Vector2d::Zero();
   std::string room;
 };
 using WalkedPath = std::vector<WalkedPlace>;  // in the order of time

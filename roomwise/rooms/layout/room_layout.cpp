@@ -134,7 +134,7 @@ Doorway doorway_across(const FloorGrid& grid, const Mask& walls,
                        const std::vector<Vector2d>& border) {
   const double cell_m = grid.cell_m();
   Doorway doorway;
-  doorway.middle_gravity = border.front();
+  doorway.middle_plan = border.front();
   double widest = 0;
   Vector2d from = border.front(), to = border.front();
   for (std::size_t a = 0; a < border.size(); ++a) {
@@ -146,7 +146,7 @@ Doorway doorway_across(const FloorGrid& grid, const Mask& walls,
       to = border[b];
     }
   }
-  doorway.middle_gravity = (from + to) / 2;
+  doorway.middle_plan = (from + to) / 2;
   doorway.width_m = widest + cell_m;
   doorway.direction_rad = std::atan2(to.y() - from.y(), to.x() - from.x());
   doorway.is_framed =
@@ -159,7 +159,7 @@ Doorway* nearest_doorway(std::vector<Doorway>& doorways, const Vector2d& place, 
                          const auto& counts) {
   Doorway* nearest = nullptr;
   for (Doorway& doorway : doorways) {
-    const double distance_m = (doorway.middle_gravity - place).norm();
+    const double distance_m = (doorway.middle_plan - place).norm();
     if (distance_m > reach_m || !counts(doorway)) continue;
     nearest = &doorway;
     reach_m = distance_m;
@@ -174,8 +174,7 @@ void join_open_borders(std::vector<Doorway>& doorways) {
   for (const Doorway& one : doorways) {
     const auto is_same = [&](const Doorway& other) {
       return !one.is_door() && !other.is_door() && other.rooms == one.rooms &&
-             (other.middle_gravity - one.middle_gravity).norm() -
-                     (other.width_m + one.width_m) / 2 <
+             (other.middle_plan - one.middle_plan).norm() - (other.width_m + one.width_m) / 2 <
                  kWidestDoor_m;
     };
     const auto other = std::ranges::find_if(joined, is_same);
@@ -219,7 +218,7 @@ void add_crossings(const NamedWalks& walks, double unsure_path_m, std::vector<Do
     const bool are_joined = std::ranges::find(doorways, rooms, &Doorway::rooms) != doorways.end();
     const auto is_at_place = [&](const Doorway& doorway) {
       if (doorway.rooms == rooms) return true;
-      const bool is_near = (doorway.middle_gravity - crossing.place).norm() <= unsure_path_m;
+      const bool is_near = (doorway.middle_plan - crossing.place).norm() <= unsure_path_m;
       return are_joined && is_near && (doorway.joins(rooms[0]) || doorway.joins(rooms[1]));
     };
     Doorway* const there =
@@ -227,7 +226,7 @@ void add_crossings(const NamedWalks& walks, double unsure_path_m, std::vector<Do
     if (there != nullptr) {
       there->is_walked = true;
     } else {
-      doorways.push_back({.rooms = rooms, .middle_gravity = crossing.place, .is_walked = true});
+      doorways.push_back({.rooms = rooms, .middle_plan = crossing.place, .is_walked = true});
     }
   }
 }
@@ -257,7 +256,7 @@ std::vector<RoomExtent> find_extents(const FloorGrid& grid, const FreeFloor& flo
   std::vector<RoomExtent> extents(walks.names.size());
   for (std::size_t i = 0; i < extents.size(); ++i) extents[i].name = walks.names[i];
   for (const WalkEvidence& one : walks.evidence) {
-    extents[static_cast<std::size_t>(one.room)].middle_gravity = one.place;
+    extents[static_cast<std::size_t>(one.room)].middle_plan = one.place;
   }
   const std::vector<double> widths = free_widths(floor);
   std::vector<double> widest(extents.size(), 0);
@@ -270,7 +269,7 @@ std::vector<RoomExtent> find_extents(const FloorGrid& grid, const FreeFloor& flo
       extents[index].floor_m2 += grid.cell_m() * grid.cell_m();
       if (widths[cell] <= widest[index]) continue;
       widest[index] = widths[cell];
-      extents[index].middle_gravity = grid.cell_middle_m(column, row);
+      extents[index].middle_plan = grid.cell_middle_m(column, row);
     }
   }
   return extents;
@@ -340,11 +339,11 @@ void RoomLayout::add_doors(std::span<const LayoutEdit> edits, double unsure_path
     if (door == nullptr || !std::ranges::all_of(door->rooms, is_room)) continue;
     // What the map shows at the place is the same door.
     Doorway said{.rooms = door->rooms,
-                 .middle_gravity = door->middle_gravity,
+                 .middle_plan = door->middle_plan,
                  .is_walked = true,
                  .is_framed = true};
     Doorway* const there =
-        nearest_doorway(doorways_, said.middle_gravity, unsure_path_m, [&](const Doorway& one) {
+        nearest_doorway(doorways_, said.middle_plan, unsure_path_m, [&](const Doorway& one) {
           return std::ranges::is_permutation(one.rooms, said.rooms) && !one.is_stairs;
         });
     if (there == nullptr) {
@@ -365,7 +364,7 @@ void RoomLayout::add_stairs(const Vector2d& below_plan, const Vector2d& above_pl
   if (!below || !above || below == above) return;
   const bool is_below_first = *below < *above;
   doorways_.push_back({.rooms = {std::min(*below, *above), std::max(*below, *above)},
-                       .middle_gravity = below_plan,
+                       .middle_plan = below_plan,
                        .is_stairs = true,
                        .stairs_ends = {is_below_first ? below_plan : above_plan,
                                        is_below_first ? above_plan : below_plan}});
@@ -382,32 +381,32 @@ std::optional<std::size_t> RoomLayout::room_of_cell(int column, int row) const {
   return room < 0 ? std::nullopt : std::optional<std::size_t>(room);
 }
 
-std::int16_t RoomLayout::room_around(const Vector2d& point_gravity) const {
-  const Eigen::Array2d at = ((point_gravity - origin_m_) / cell_m_).array().floor();
+std::int16_t RoomLayout::room_around(const Vector2d& point_plan) const {
+  const Eigen::Array2d at = ((point_plan - origin_m_) / cell_m_).array().floor();
   if (!(at.abs() < kMaxCells).all()) return kNoRoom;
   const int column = static_cast<int>(at.x()), row = static_cast<int>(at.y());
   return room_of_cell_.contains(column, row) ? room_of_cell_.at(column, row) : kNoRoom;
 }
 
-std::optional<std::string> RoomLayout::room_at(const Vector2d& point_gravity) const {
-  const std::int16_t room = room_around(point_gravity);
+std::optional<std::string> RoomLayout::room_at(const Vector2d& point_plan) const {
+  const std::int16_t room = room_around(point_plan);
   return room < 0 ? std::nullopt : std::optional(rooms_[static_cast<std::size_t>(room)].name);
 }
 
-std::vector<double> RoomLayout::room_probabilities(const Vector2d& point_gravity,
+std::vector<double> RoomLayout::room_probabilities(const Vector2d& point_plan,
                                                    double sigma_m) const {
   std::vector<double> shares(rooms_.size(), 0);
   for (const auto& [offset, share] : normal_distribution()) {
-    const std::int16_t room = room_around(point_gravity + sigma_m * offset);
+    const std::int16_t room = room_around(point_plan + sigma_m * offset);
     if (room >= 0) shares[static_cast<std::size_t>(room)] += share;
   }
   return shares;
 }
 
-double RoomLayout::nameless_share_around(const Vector2d& point_gravity, double sigma_m) const {
+double RoomLayout::nameless_share_around(const Vector2d& point_plan, double sigma_m) const {
   double nameless = 0;
   for (const auto& [offset, share] : normal_distribution()) {
-    if (room_around(point_gravity + sigma_m * offset) == kNamelessRoom) nameless += share;
+    if (room_around(point_plan + sigma_m * offset) == kNamelessRoom) nameless += share;
   }
   return nameless;
 }

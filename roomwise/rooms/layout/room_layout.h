@@ -30,11 +30,12 @@ struct RoomLayoutOptions {
 // Where one comes from a room into another: by a door, or over the border of two rooms that are
 // open to each other.
 struct Doorway {
-  std::array<std::string, 2> rooms;                          // by name
-  Eigen::Vector2d middle_gravity = Eigen::Vector2d::Zero();  // m; of stairs where they begin below
+  std::array<std::string, 2> rooms;                       // by name
+  Eigen::Vector2d middle_plan = Eigen::Vector2d::Zero();  // m; of stairs where they begin below
   // Of the free floor there; 0: the map shows none, but the walk led through, or somebody says so.
   double width_m = 0;
-  double direction_rad = 0;    // from one side to the other, counter-clockwise from x; of a known width
+  double direction_rad =
+      0;                   // from one side to the other, counter-clockwise from x; of a known width
   bool is_walked = false;  // the walk led through it, or somebody does who says so
   bool is_stairs = false;  // they lead to the other room, on another storey
   // Of stairs: where one stands before them in each of the rooms, on the plan.
@@ -56,7 +57,7 @@ struct Doorway {
   }
   // Where it is for who comes from that room.
   [[nodiscard]] const Eigen::Vector2d& place_in(const std::string& room) const {
-    return is_stairs ? stairs_ends[rooms[0] == room ? 0 : 1] : middle_gravity;
+    return is_stairs ? stairs_ends[rooms[0] == room ? 0 : 1] : middle_plan;
   }
 };
 
@@ -64,10 +65,11 @@ struct RoomExtent {
   std::string name;
   double floor_m2 = 0;  // free floor, as far as it was seen or walked on
   // The place of free floor with the most room around it, m: where to send somebody.
-  Eigen::Vector2d middle_gravity = Eigen::Vector2d::Zero();
+  Eigen::Vector2d middle_plan = Eigen::Vector2d::Zero();
 };
 
-// The rooms on the floor plane, and how they hang together.
+// The rooms on the floor, and how they hang together: on the plan, on which storeys lie side by
+// side (fusion/storeys.h).
 //
 // Every free cell belongs to one room; free is also what is unknown to the map, but somebody walked
 // there. From the places that the walk names, rooms spread over free floor where it is widest first
@@ -98,14 +100,14 @@ class RoomLayout {
   [[nodiscard]] const std::vector<Doorway>& doorways() const { return doorways_; }
   // The room that the point lies in; absent outside, far from all floor, and in a room without a
   // name.
-  [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector2d& point_gravity) const;
+  [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector2d& point_plan) const;
   // The same for a point that is known with this standard deviation along each direction, m: the
   // probability of each of rooms(), in their order. What they lack of 1 is outside, or in a room
   // without a name.
-  [[nodiscard]] std::vector<double> room_probabilities(const Eigen::Vector2d& point_gravity,
+  [[nodiscard]] std::vector<double> room_probabilities(const Eigen::Vector2d& point_plan,
                                                        double sigma_m) const;
   // The probability that it lies in a room that somebody walked in and nobody named.
-  [[nodiscard]] double nameless_share_around(const Eigen::Vector2d& point_gravity,
+  [[nodiscard]] double nameless_share_around(const Eigen::Vector2d& point_plan,
                                              double sigma_m) const;
   // The same for a cell of the grid: index into rooms().
   [[nodiscard]] std::optional<std::size_t> room_of_cell(int column, int row) const;
@@ -120,7 +122,7 @@ class RoomLayout {
   RoomLayout() = default;
   void add_doors(std::span<const LayoutEdit> edits, double unsure_path_m);
   // As room_of_cell_ has it.
-  [[nodiscard]] std::int16_t room_around(const Eigen::Vector2d& point_gravity) const;
+  [[nodiscard]] std::int16_t room_around(const Eigen::Vector2d& point_plan) const;
 
   Eigen::Vector2d origin_m_ = Eigen::Vector2d::Zero();
   double cell_m_ = 0;

@@ -41,7 +41,7 @@ FloorGrid grid_of(const std::vector<std::string>& rows) {
 
 // Straight on from one point to another, a place every 0.2 m.
 void walk_to(WalkedPath& path, const Vector2d& to, const std::string& room) {
-  const Vector2d from = path.empty() ? to : path.back().point_gravity;
+  const Vector2d from = path.empty() ? to : path.back().point_plan;
   const int steps = std::max(1, static_cast<int>(std::ceil((to - from).norm() / 0.2)));
   for (int i = 1; i <= steps; ++i) path.push_back({from + (to - from) * i / steps, room});
 }
@@ -90,8 +90,8 @@ TEST(RoomLayoutTest, RoomsMeetAtTheDoorAlthoughTheyWereNamedEarlyOrLate) {
     ASSERT_EQ(layout->doorways().size(), 1U) << late_m;
     const Doorway& door = layout->doorways().front();
     EXPECT_THAT(door.rooms, ElementsAre("bedroom", "kitchen"));
-    EXPECT_NEAR(door.middle_gravity.x(), 3.1, 0.15);
-    EXPECT_NEAR(door.middle_gravity.y(), 0.6, 0.11);
+    EXPECT_NEAR(door.middle_plan.x(), 3.1, 0.15);
+    EXPECT_NEAR(door.middle_plan.y(), 0.6, 0.11);
     EXPECT_NEAR(door.width_m, 0.8, 0.15);
     EXPECT_TRUE(door.is_walked);
     EXPECT_TRUE(door.is_door());
@@ -124,7 +124,7 @@ TEST(RoomLayoutTest, FloorIsMeasured) {
   EXPECT_NEAR(layout->rooms()[0].floor_m2, 6 - 0.36, 0.17);
   EXPECT_NEAR(layout->rooms()[1].floor_m2, 6, 0.17);
   // The kitchen is empty: its middle is as far from the walls as can be.
-  EXPECT_NEAR(layout->rooms()[1].middle_gravity.y(), 1, 0.11);
+  EXPECT_NEAR(layout->rooms()[1].middle_plan.y(), 1, 0.11);
 }
 
 TEST(RoomLayoutTest, FurnitureBelongsToTheRoomWhoseFloorIsNearest) {
@@ -162,7 +162,7 @@ TEST(RoomLayoutTest, AnOpeningThatNobodyWalkedThroughIsThereAllTheSame) {
   ASSERT_EQ(layout->doorways().size(), 2U);
   EXPECT_TRUE(layout->doorways()[0].is_walked) << "the wider one, with the walk";
   EXPECT_FALSE(layout->doorways()[1].is_walked);
-  EXPECT_NEAR(layout->doorways()[1].middle_gravity.y(), 4, 0.11);
+  EXPECT_NEAR(layout->doorways()[1].middle_plan.y(), 4, 0.11);
 }
 
 TEST(RoomLayoutTest, AGapThatNobodyFitsThroughIsNoDoorway) {
@@ -187,7 +187,7 @@ TEST(RoomLayoutTest, WhereSomebodyWalkedIsFloorAlthoughItWasNotSeen) {
   ASSERT_OK(layout);
   ASSERT_EQ(layout->doorways().size(), 1U);
   EXPECT_NEAR(layout->doorways().front().width_m, 0.5, 0.11) << "as wide as who walked";
-  EXPECT_NEAR(layout->doorways().front().middle_gravity.y(), 0.6, 0.11);
+  EXPECT_NEAR(layout->doorways().front().middle_plan.y(), 0.6, 0.11);
   EXPECT_TRUE(layout->doorways().front().is_walked);
   EXPECT_FALSE(layout->doorways().front().is_door()) << "no frame was seen beside it";
 }
@@ -206,23 +206,23 @@ TEST(RoomLayoutTest, NobodyWalksThroughThings) {
 TEST(RoomLayoutTest, ADoorThatWasPassedWhileLostIsKnownFromTheNames) {
   WalkedPath path = walk_through(0);
   std::erase_if(
-      path, [](const WalkedPlace& place) { return std::abs(place.point_gravity.x() - 3.1) < 0.8; });
+      path, [](const WalkedPlace& place) { return std::abs(place.point_plan.x() - 3.1) < 0.8; });
   const std::vector<WalkedPath> walks{path};
   const auto layout = RoomLayout::make(grid_of(unseen_door()), walks);
   ASSERT_OK(layout);
   ASSERT_EQ(layout->doorways().size(), 1U);
   EXPECT_EQ(layout->doorways().front().width_m, 0);
   EXPECT_TRUE(layout->doorways().front().is_walked);
-  EXPECT_NEAR(layout->doorways().front().middle_gravity.x(), 3.1, 0.2);
+  EXPECT_NEAR(layout->doorways().front().middle_plan.x(), 3.1, 0.2);
 }
 
 TEST(RoomLayoutTest, NoDoorIsMadeUpWhereTheWalkIsNotKnown) {
   WalkedPath lost = walk_through(0);
   std::erase_if(
-      lost, [](const WalkedPlace& place) { return std::abs(place.point_gravity.x() - 3.1) < 1.6; });
+      lost, [](const WalkedPlace& place) { return std::abs(place.point_plan.x() - 3.1) < 1.6; });
   WalkedPath unnamed = walk_through(0);
   for (WalkedPlace& place : unnamed) {
-    if (std::abs(place.point_gravity.x() - 3.1) < 0.8) place.room.clear();
+    if (std::abs(place.point_plan.x() - 3.1) < 0.8) place.room.clear();
   }
   std::vector<std::string> rows = unseen_door();
   for (std::string& row : rows) row.replace(30, 2, "##");
@@ -264,7 +264,7 @@ TEST(RoomLayoutTest, ARoomThatNobodyNamedIsNotThatBesideIt) {
 TEST(RoomLayoutTest, AShortStretchWithoutANameTearsNoHole) {
   WalkedPath path = walk_through(0);
   for (WalkedPlace& place : path) {
-    if (place.room == "kitchen" && place.point_gravity.x() < 4.6) place.room.clear();
+    if (place.room == "kitchen" && place.point_plan.x() < 4.6) place.room.clear();
   }
   const std::vector<WalkedPath> walks{path};
   const auto layout = RoomLayout::make(grid_of(plan_of_two_rooms()), walks);
@@ -407,12 +407,12 @@ TEST(RoomLayoutTest, AnOpeningIsWhereAWalkLedThroughAndNoFrameWasSeen) {
 TEST(RoomLayoutTest, ADoorThatSomebodyAddsIsTheDoorAtAPlaceThatShowsNone) {
   const std::vector<WalkedPath> walks{walk_through(0)};
   const std::vector<LayoutEdit> edits{
-      AddedDoor{.rooms = {"kitchen", "bedroom"}, .middle_gravity = {3.1, 0.5}}};
+      AddedDoor{.rooms = {"kitchen", "bedroom"}, .middle_plan = {3.1, 0.5}}};
   const auto layout = RoomLayout::make(grid_of(unseen_door()), walks, {}, edits);
   ASSERT_OK(layout);
   ASSERT_EQ(layout->doorways().size(), 1U) << "one place has one doorway";
   EXPECT_TRUE(layout->doorways()[0].is_door());
-  EXPECT_NEAR(layout->doorways()[0].middle_gravity.y(), 0.5, 1e-9);
+  EXPECT_NEAR(layout->doorways()[0].middle_plan.y(), 0.5, 1e-9);
 }
 
 TEST(RoomLayoutTest, RoomsThatAreOpenAroundATableHaveOneBorder) {
@@ -455,7 +455,7 @@ TEST(RoomLayoutTest, OnePlaceHasOneDoorwayAlthoughANameCameLate) {
   std::vector<std::string> ways;
   for (const Doorway& doorway : layout->doorways()) {
     if (doorway.is_door()) ways.push_back(doorway.rooms[0] + " - " + doorway.rooms[1]);
-    const bool is_at_door = (doorway.middle_gravity - Vector2d(3.1, 0.6)).norm() < 0.5;
+    const bool is_at_door = (doorway.middle_plan - Vector2d(3.1, 0.6)).norm() < 0.5;
     EXPECT_TRUE(!is_at_door || doorway.is_door()) << doorway.rooms[0] << doorway.rooms[1];
   }
   EXPECT_THAT(ways, ElementsAre("bedroom - kitchen", "bedroom - lounge"));

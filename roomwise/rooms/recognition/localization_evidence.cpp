@@ -55,10 +55,10 @@ struct FloorShares {
   double elsewhere = 0;           // on floors of rooms that were not learned, or have no name
 };
 
-FloorShares floor_shares(const RoomLayout& layout, const Eigen::Vector2d& point_gravity,
+FloorShares floor_shares(const RoomLayout& layout, const Eigen::Vector2d& point_plan,
                          double sigma_m, std::span<const std::string> rooms) {
   FloorShares found{Eigen::VectorXd::Zero(static_cast<Eigen::Index>(rooms.size())), {}, 0};
-  const std::vector<double> shares = layout.room_probabilities(point_gravity, sigma_m);
+  const std::vector<double> shares = layout.room_probabilities(point_plan, sigma_m);
   for (std::size_t i = 0; i < shares.size(); ++i) {
     const std::string& name = layout.rooms()[i].name;
     const auto room = std::ranges::find(rooms, name);
@@ -70,7 +70,7 @@ FloorShares floor_shares(const RoomLayout& layout, const Eigen::Vector2d& point_
       found.on_map.push_back({name + ", which was not learned", shares[i]});
     }
   }
-  const double nameless = layout.nameless_share_around(point_gravity, sigma_m);
+  const double nameless = layout.nameless_share_around(point_plan, sigma_m);
   found.elsewhere += nameless;
   found.on_map.push_back({"a room without a name", nameless});
   return found;
@@ -102,9 +102,9 @@ LocalizationEvidence evidence_of(const mapping::Localization& answer, bool has_d
     evidence.why = "the map has no rooms";
     return evidence;
   }
-  const Eigen::Vector3d camera_gravity = frame.on_plan(answer.world_from_camera.translation);
+  const Eigen::Vector3d camera_plan = frame.on_plan(answer.world_from_camera.translation);
   const double sigma_m = std::hypot(answer.position_sigma_m(), kBoundarySigma_m, moved_sigma_m);
-  const FloorShares shares = floor_shares(*layout, camera_gravity.head<2>(), sigma_m, rooms);
+  const FloorShares shares = floor_shares(*layout, camera_plan.head<2>(), sigma_m, rooms);
   evidence.why = place_in_words(shares.on_map);
   evidence.log_likelihood_ratio =
       shares.learned.sum() * evidence.log_likelihood_ratio + shares.elsewhere * kElsewhereLogRatio;

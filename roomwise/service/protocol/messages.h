@@ -201,7 +201,7 @@ struct FrameArrived {
 };
 
 struct SeenPosition {
-  double x_m = 0, y_m = 0, z_m = 0;  // gravity-aligned frame of the home
+  double x_m = 0, y_m = 0, z_m = 0;  // on the home's plan, z over the floor
   double heading_degrees = 0;        // of the camera's axis, counter-clockwise from x
   double sigma_m = 0;
 };
