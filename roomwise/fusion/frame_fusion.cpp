@@ -142,7 +142,7 @@ class FrameView {
         voxel_m_(static_cast<float>(field.voxel_size_m)),
         truncation_m_(static_cast<float>(field.truncation_m())),
         noise_at_1m_m_(static_cast<float>(frame.options.depth_noise_at_1m_m)),
-        keeps_colors_(field.keeps_colors) {}
+        keeps_colors_(field.keeps_colors && frame.has_colors) {}
 
   // The camera coordinates of a block's first voxel, and the steps to its neighbours.
   [[nodiscard]] Vector3f first_voxel(const Vector3i& block) const {

@@ -168,6 +168,15 @@ Vector2f FrameSurfaceMaker::by_ray(const Vector2f& by_pixel, int x, int y) const
 
 FrameSurface FrameSurfaceMaker::make(const image::ColorImage& color,
                                      const image::DepthImage& depth) const {
+  FrameSurface frame = make(depth);
+  frame.has_colors = true;
+  for (std::size_t i = 0; i < frame.pixels.pixels().size(); ++i) {
+    frame.pixels.pixels()[i].color = color.pixels()[i];
+  }
+  return frame;
+}
+
+FrameSurface FrameSurfaceMaker::make(const image::DepthImage& depth) const {
   InverseDepth inverse(camera_.width, camera_.height);
   for (int y = 0; y < camera_.height; ++y) {
     for (int x = 0; x < camera_.width; ++x) {
@@ -180,7 +189,11 @@ FrameSurface FrameSurfaceMaker::make(const image::ColorImage& color,
   const InverseDepth nearest = largest_about(largest_about(inverse, kOutlineReach_px, true),
                                              kOutlineReach_px, /*along_x=*/false);
 
-  FrameSurface frame{camera_, real_from_ideal_, {camera_.width, camera_.height}, options_};
+  FrameSurface frame{camera_,
+                     real_from_ideal_,
+                     {camera_.width, camera_.height},
+                     options_,
+                     /*has_colors=*/false};
   const float max_second_difference = second_difference_threshold(options_);
   const auto min_inverse = static_cast<float>(1 / options_.farthest_m);
   for (int y = 0; y < camera_.height; ++y) {
@@ -188,7 +201,6 @@ FrameSurface FrameSurfaceMaker::make(const image::ColorImage& color,
       const float middle = inverse.at(x, y);
       if (middle <= 0) continue;
       SurfacePixel& pixel = frame.pixels.at(x, y);
-      pixel.color = color.at(x, y);
       pixel.free_depth_m = 1 / std::max(nearest.at(x, y), min_inverse);
       pixel.weight = weight_at(pixel.free_depth_m, 1, options_);
       if (middle < min_inverse) continue;

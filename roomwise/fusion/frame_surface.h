@@ -59,6 +59,7 @@ struct FrameSurface {
   std::shared_ptr<const PixelTable> distorted_index_of_undistorted;
   image::Image<SurfacePixel> pixels;  // of the real camera
   SurfaceOptions options;             // it was made with
+  bool has_colors = true;
 };
 
 // Makes frames of one camera ready. A plane is fitted about each pixel to the inverse depth, which
@@ -75,6 +76,8 @@ class FrameSurfaceMaker {
   // Both images must have the camera's size.
   [[nodiscard]] FrameSurface make(const image::ColorImage& color,
                                   const image::DepthImage& depth) const;
+  // Without colours.
+  [[nodiscard]] FrameSurface make(const image::DepthImage& depth) const;
 
  private:
   // What changes by so much a pixel, as change by the ray's x and y.

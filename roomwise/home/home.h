@@ -23,6 +23,7 @@
 #include "roomwise/home/passphrase.h"
 #include "roomwise/home/picture_cipher.h"
 #include "roomwise/home/writer_lock.h"
+#include "roomwise/image/rgbd_frame.h"
 #include "roomwise/network/vision/classifier.h"
 #include "roomwise/objects/detection/confirmed_objects.h"
 #include "roomwise/objects/detection/region_surface.h"
@@ -84,6 +85,16 @@ struct KeyframeImages {
   Bytes depth;  // 16-bit PNG
 
   friend bool operator==(const KeyframeImages&, const KeyframeImages&) = default;
+};
+
+using DepthViewId = std::uint64_t;
+
+// Where a depth image was taken after a key-frame, before the next picture.
+struct DepthView {
+  DepthViewId id = 0;
+  KeyframeId keyframe = 0;
+  RecordingId recording = 0;
+  geometry::RigidTransform keyframe_from_view;
 };
 
 // A network that has looked at key-frames.
@@ -164,6 +175,7 @@ struct NewKeyframe : scene::KeyframeStamp {
   KeyframeImages images;
   std::vector<std::pair<NetworkId, network::Prediction>> predictions;
   std::vector<objects::ObjectScore> observations;
+  std::vector<image::DepthView> depth_views = {};
 };
 
 // What mapping adds between two commits.
@@ -357,6 +369,8 @@ class Home {
   // Nothing where there is none.
   [[nodiscard]] Expected<std::optional<Keyframe>> find_keyframe(KeyframeId id) const;
   [[nodiscard]] Expected<KeyframeImages> images(KeyframeId id) const;
+  [[nodiscard]] Expected<std::vector<DepthView>> depth_views() const;       // by id
+  [[nodiscard]] Expected<Bytes> depth_view_image(DepthViewId id) const;     // 16-bit PNG
   [[nodiscard]] Expected<std::vector<Frame>> frames(RecordingId id) const;  // by index
   [[nodiscard]] Expected<std::vector<scene::PoseGraphEdge>> edges() const;  // as they were added
   // New poses for key-frames that are there; the others keep theirs.
@@ -544,6 +558,7 @@ class Home {
   // The sealed pictures of key-frames that had another number; by the present one.
   [[nodiscard]] Expected<void> reseal_pictures(const std::map<KeyframeId, KeyframeId>& old_numbers);
   [[nodiscard]] Expected<void> insert_keyframe(RecordingId recording, const NewKeyframe& keyframe);
+  [[nodiscard]] Expected<void> insert_depth_view(KeyframeId keyframe, const image::DepthView& view);
   [[nodiscard]] Expected<bool> has_own_things() const;
   [[nodiscard]] Expected<void> change_own_thing(OwnThingId id,
                                                 const std::function<Expected<void>()>& change);

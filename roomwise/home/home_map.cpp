@@ -260,10 +260,29 @@ Expected<void> Home::insert_keyframe(RecordingId recording, const NewKeyframe& k
                encrypt_if_protected(keyframe.id, PictureKind::kDepth, keyframe.images.depth));
   ROOMWISE_RETURN_IF_ERROR(
       database_.add("keyframe_images (keyframe_id, color, depth)", keyframe.id, color, depth));
+  for (const image::DepthView& view : keyframe.depth_views) {
+    ROOMWISE_RETURN_IF_ERROR(insert_depth_view(keyframe.id, view));
+  }
   for (const auto& [network, prediction] : keyframe.predictions) {
     ROOMWISE_RETURN_IF_ERROR(put_prediction(keyframe.id, network, prediction));
   }
   return put_observations(keyframe.id, keyframe.observations);
+}
+
+Expected<void> Home::insert_depth_view(KeyframeId keyframe, const image::DepthView& view) {
+  if (!view.frame_from_view.is_finite()) {
+    return fail("{}: the pose of a depth image after key-frame {} is not finite", file(), keyframe);
+  }
+  // Sealed pictures are bound to their number, so that is needed first.
+  ROOMWISE_TRY(const auto id,
+               database_.insert(
+                   "keyframe_depth_views (keyframe_id, tx_m, ty_m, tz_m, qx, qy, qz, qw, depth)",
+                   keyframe, to_numbers(view.frame_from_view), Bytes()));
+  ROOMWISE_TRY(const Bytes depth,
+               encrypt_if_protected(static_cast<KeyframeId>(id), PictureKind::kDepthView,
+                                    view.encoded_depth));
+  return database_.run("UPDATE keyframe_depth_views SET depth = ? WHERE depth_view_id = ?", depth,
+                       id);
 }
 
 Expected<void> Home::insert_edge(const scene::PoseGraphEdge& edge) {
@@ -484,6 +503,29 @@ Expected<KeyframeImages> Home::images(KeyframeId id) const {
   ROOMWISE_TRY(images->color, decrypt_if_sealed(id, PictureKind::kColor, std::move(images->color)));
   ROOMWISE_TRY(images->depth, decrypt_if_sealed(id, PictureKind::kDepth, std::move(images->depth)));
   return *std::move(images);
+}
+
+Expected<std::vector<DepthView>> Home::depth_views() const {
+  ROOMWISE_TRY(const bool has,
+               database_.get<bool>("SELECT count(*) = 1 FROM sqlite_schema WHERE type = 'table' "
+                                   "AND name = 'keyframe_depth_views'"));
+  if (!has) return std::vector<DepthView>();
+  return collect<std::vector<DepthView>>(
+      database_,
+      "SELECT depth_view_id, keyframe_id, recording_id, v.tx_m, v.ty_m, v.tz_m, v.qx, v.qy, v.qz, "
+      "v.qw FROM keyframe_depth_views v JOIN keyframes USING (keyframe_id) ORDER BY depth_view_id",
+      [](const Statement& row) {
+        return DepthView{row.column<DepthViewId>(0), row.column<KeyframeId>(1),
+                         row.column<RecordingId>(2), pose_column(row, 3)};
+      });
+}
+
+Expected<Bytes> Home::depth_view_image(DepthViewId id) const {
+  ROOMWISE_TRY(
+      std::optional<Bytes> depth,
+      database_.find<Bytes>("SELECT depth FROM keyframe_depth_views WHERE depth_view_id = ?", id));
+  if (!depth) return fail("{}: has no depth image {}", file(), id);
+  return decrypt_if_sealed(id, PictureKind::kDepthView, *std::move(depth));
 }
 
 Expected<std::vector<Frame>> Home::frames(RecordingId id) const {

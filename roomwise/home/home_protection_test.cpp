@@ -37,6 +37,9 @@ Bytes unique_picture(std::uint64_t seed, std::size_t size) {
 KeyframeImages unique_images(KeyframeId id) {
   return {unique_picture(id, 3000), unique_picture(id, 9001)};
 }
+Bytes unique_depth_view(KeyframeId id) {
+  return unique_picture(100 + id, 4000);
+}
 objects::KeyframeDetections unique_look(KeyframeId id) {
   objects::KeyframeDetections look = testing::sample_look(id);
   look.coarse_depth = image::DepthImage(40, 30);
@@ -48,6 +51,7 @@ objects::KeyframeDetections unique_look(KeyframeId id) {
 MapCommit unique_step(KeyframeId id) {
   MapCommit step = testing::sample_commit(1, 1, id);
   step.keyframes[0].images = unique_images(id);
+  step.keyframes[0].depth_views[0].encoded_depth = unique_depth_view(id);
   return step;
 }
 
@@ -72,7 +76,7 @@ class ProtectedHome : public ::testing::Test {
   std::string make_protected(std::string_view passphrase) const {
     std::string digest = make();
     Home home = Home::open(path_).value();
-    EXPECT_EQ(home.protect(phrase(passphrase), kCheap).value(), 3 * kKeyframes);
+    EXPECT_EQ(home.protect(phrase(passphrase), kCheap).value(), 4 * kKeyframes);
     return digest;
   }
   static void expect_all_pictures(const Home& home) {
@@ -81,6 +85,11 @@ class ProtectedHome : public ::testing::Test {
     for (KeyframeId id = 0; id < kKeyframes; ++id) {
       EXPECT_EQ(home.images(id).value(), unique_images(id));
       EXPECT_EQ(looks->at(id).coarse_depth, unique_look(id).coarse_depth);
+    }
+    const auto views = home.depth_views();
+    ASSERT_OK(views);
+    for (const DepthView& view : *views) {
+      EXPECT_EQ(home.depth_view_image(view.id).value(), unique_depth_view(view.keyframe));
     }
   }
   // How many pieces of sixteen bytes of the pictures stand in the home's files.
@@ -100,6 +109,7 @@ class ProtectedHome : public ::testing::Test {
     for (KeyframeId id = 0; id < kKeyframes; ++id) {
       count(unique_images(id).color);
       count(unique_images(id).depth);
+      count(unique_depth_view(id));
       count(unique_picture(id, 40 * 30 * 2));
     }
     return found;
@@ -240,6 +250,10 @@ TEST_F(ProtectedHome, SealsPicturesAnewOfKeyframesBehindCulledOnes) {
   ASSERT_OK(home.cull_keyframes(culling));
   for (KeyframeId id = 0; id + 1 < kKeyframes; ++id)
     EXPECT_EQ(home.images(id).value(), unique_images(id + 1));
+  const auto views = home.depth_views().value();
+  ASSERT_THAT(views, SizeIs(kKeyframes - 1));
+  for (const DepthView& view : views)
+    EXPECT_EQ(home.depth_view_image(view.id).value(), unique_depth_view(view.keyframe + 1));
   ASSERT_OK(home.verify());
 }
 
@@ -267,7 +281,7 @@ TEST_F(ProtectedHome, BecomesAPlainOneAgain) {
   const std::string digest = make_protected("open sesame");
   {
     Home home = Home::open(path_, with("open sesame")).value();
-    EXPECT_EQ(home.unprotect(phrase("open sesame"), kCheap).value(), 3 * kKeyframes);
+    EXPECT_EQ(home.unprotect(phrase("open sesame"), kCheap).value(), 4 * kKeyframes);
     expect_all_pictures(home);
     EXPECT_ERROR(home.unprotect(phrase("open sesame"), kCheap), "are not protected");
   }
@@ -400,7 +414,7 @@ TEST_F(KilledWhileProtecting, LeavesAHomeThatProtectFinishes) {
       EXPECT_OK(home->verify());
       EXPECT_EQ(home->content_digest().value(), digest) << "killed at statement " << statement;
       const std::size_t sealed = home->protect(phrase("open sesame"), kCheap).value();
-      was_between = was_between || (sealed > 0 && sealed < 3 * kKeyframes);
+      was_between = was_between || (sealed > 0 && sealed < 4 * kKeyframes);
     }
     EXPECT_EQ(plain_pieces(), 0U) << "killed at statement " << statement;
     const Home home = Home::open_read_only(path_, with("open sesame")).value();

@@ -160,6 +160,14 @@ TEST_F(HomeTest, KeepsTheStepsOfAMap) {
   EXPECT_EQ(home_.images(2).value(), testing::sample_images(2));
   EXPECT_ERROR(home_.images(3), "no key-frame 3");
 
+  const auto views = home_.depth_views().value();
+  ASSERT_THAT(views, SizeIs(3));
+  EXPECT_EQ(views[2].keyframe, 2U);
+  EXPECT_EQ(views[2].recording, 1);
+  expect_same(views[2].keyframe_from_view, testing::sample_pose(0.1));
+  EXPECT_EQ(home_.depth_view_image(views[2].id).value(), testing::sample_images(2).depth);
+  EXPECT_ERROR(home_.depth_view_image(99), "no depth image 99");
+
   const auto frames = home_.frames(1).value();
   ASSERT_THAT(frames, SizeIs(7));
   EXPECT_EQ(frames[4].index, 4U);
@@ -397,6 +405,7 @@ TEST_F(HomeTest, RemovingARecordingTakesAllThatCameFromIt) {
   ASSERT_OK(home_.remove_recording(1));
   EXPECT_THAT(home_.recordings().value(), SizeIs(1));
   EXPECT_THAT(home_.keyframes().value(), IsEmpty());
+  EXPECT_THAT(home_.depth_views().value(), IsEmpty());
   EXPECT_THAT(home_.edges().value(), IsEmpty());
   EXPECT_THAT(home_.frames(1).value(), IsEmpty());
   EXPECT_THAT(home_.predictions(1).value(), IsEmpty());

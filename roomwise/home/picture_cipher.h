@@ -35,6 +35,7 @@ enum class PictureKind : std::uint8_t {
   kCoarseDepth = 3,
   kOwnThing = 4,  // of a thing that somebody taught; its number is that of the view
   kOwnThingMask = 5,
+  kDepthView = 6,  // its number is its own
 };
 
 // Seals and opens the pictures of one home. Thread-safe.

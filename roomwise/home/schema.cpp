@@ -393,11 +393,22 @@ CREATE TABLE IF NOT EXISTS own_thing_views (
   mask BLOB NOT NULL                   -- 16-bit PNG: 1 where the thing is
 ) STRICT;
 CREATE INDEX IF NOT EXISTS own_thing_views_by_thing ON own_thing_views (own_thing_id);
+
+CREATE TABLE IF NOT EXISTS keyframe_depth_views (
+  -- Depth images that a device took after a key-frame, before its next picture.
+  depth_view_id INTEGER PRIMARY KEY,
+  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
+  tx_m REAL NOT NULL, ty_m REAL NOT NULL, tz_m REAL NOT NULL,  -- keyframe_from_view: the camera's pose
+  qx REAL NOT NULL, qy REAL NOT NULL, qz REAL NOT NULL, qw REAL NOT NULL,
+  depth BLOB NOT NULL                  -- as keyframe_images.depth
+) STRICT;
+CREATE INDEX IF NOT EXISTS keyframe_depth_views_by_keyframe ON keyframe_depth_views (keyframe_id);
 )sql";
 
 bool is_later(std::string_view table) {
   return table == "edits" || table == "edit_places" || table == "own_things" ||
-         table == "own_thing_views" || table == "sqlite_sequence";  // the last is SQLite's own
+         table == "own_thing_views" || table == "keyframe_depth_views" ||
+         table == "sqlite_sequence";  // the last is SQLite's own
 }
 
 // The columns of each table, by name.

@@ -21,7 +21,7 @@ constexpr int kHomeVersion = 1;
 [[nodiscard]] Expected<void> create_tables(Database& database);
 
 // Adds the tables that homes of before have not, and a home cannot be read wrongly without: what
-// people changed by hand, and the things that they taught.
+// people changed by hand, the things that they taught, depth between pictures.
 [[nodiscard]] Expected<void> add_later_tables(Database& database);
 
 // Fails, naming it, where a table or a column of a home is missing; of a later table, where it is
@@ -47,6 +47,7 @@ inline constexpr std::array kPictureColumns = {
     PictureColumn{"keyframe_images", "depth", PictureKind::kDepth},
     PictureColumn{"keyframe_depths", "depth", PictureKind::kCoarseDepth},
     PictureColumn{"own_thing_views", "picture", PictureKind::kOwnThing, "view_id"},
-    PictureColumn{"own_thing_views", "mask", PictureKind::kOwnThingMask, "view_id"}};
+    PictureColumn{"own_thing_views", "mask", PictureKind::kOwnThingMask, "view_id"},
+    PictureColumn{"keyframe_depth_views", "depth", PictureKind::kDepthView, "depth_view_id"}};
 
 }  // namespace roomwise::home

@@ -12,6 +12,13 @@
 
 namespace roomwise::image {
 
+// A depth image that a device took between two pictures, shortly after a frame.
+struct DepthView {
+  TimestampNs timestamp_ns = 0;
+  geometry::RigidTransform frame_from_view;  // of the camera frames, as the device felt its motion
+  Bytes encoded_depth;                       // 16-bit PNG of the frame's size
+};
+
 // One moment of an RGB-D camera: a colour image and a depth image registered to it, of one size.
 struct RgbdFrame {
   // The colour image's place in the recording's list (line of rgb.txt without comments), from 0. A
@@ -25,6 +32,7 @@ struct RgbdFrame {
   Bytes encoded_color;
   Bytes encoded_depth;
   std::optional<geometry::DeviceMotion> device_motion = std::nullopt;  // where the device tells it
+  std::vector<DepthView> depth_views = {};  // before the next picture, in the order of time
 };
 
 // The measured distance along the optical axis at a pixel, m; 0 where nothing was measured.

@@ -80,6 +80,7 @@ inline MapCommit sample_commit(RecordingId recording, NetworkId network, Keyfram
   keyframe.images = sample_images(id);
   keyframe.predictions = {{network, sample_prediction(id)}};
   keyframe.observations = {{"lamp", 0.9}, {"bed", 0.5}};
+  keyframe.depth_views = {{keyframe.timestamp_ns + 100, sample_pose(0.1), sample_images(id).depth}};
   if (id > 0) {
     step.edges.push_back(sample_edge(id - 1, id, false));
     const scene::FrameMotion motion{{sample_pose(0.7), Eigen::Vector3d(0, -0.6, 0.8)},

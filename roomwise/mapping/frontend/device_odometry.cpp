@@ -43,6 +43,11 @@ PoseGraphEdge edge_from_device(KeyframeId from, KeyframeId to, const motion::Pos
   return {from, to, step.reference_from_current, step.information, true, true};
 }
 
+bool is_device_jump(const RigidTransform& step, double duration_s) {
+  return step.distance_m() > kFastestSlack_m + kFastest_m_s * duration_s ||
+         step.angle_rad() > kFastestSlack_rad + kFastest_rad_s * duration_s;
+}
+
 std::optional<DeviceMark> DeviceOdometry::mark(const scene::Frame& next) const {
   if (!next.motion) return std::nullopt;
   const RigidTransform& pose = next.motion->device.world_from_camera;
@@ -63,9 +68,7 @@ bool DeviceOdometry::jumps_to(const scene::Frame& next) const {
   if (!next.motion || !last_) return false;
   const RigidTransform step =
       last_->world_from_camera.inverse() * next.motion->device.world_from_camera;
-  const double duration_s = seconds_between(last_ns_, next.timestamp_ns);
-  return step.distance_m() > kFastestSlack_m + kFastest_m_s * duration_s ||
-         step.angle_rad() > kFastestSlack_rad + kFastest_rad_s * duration_s;
+  return is_device_jump(step, seconds_between(last_ns_, next.timestamp_ns));
 }
 
 void DeviceOdometry::pass(const scene::Frame& frame) {

@@ -28,6 +28,9 @@ struct DeviceMark {
 [[nodiscard]] PoseGraphEdge edge_from_device(KeyframeId from, KeyframeId to,
                                              const motion::PosePrior& step);
 
+// Whether a device says that it moved as nobody moves it.
+[[nodiscard]] bool is_device_jump(const geometry::RigidTransform& step, double duration_s);
+
 // Adds up the way that a device travelled, one frame after the other.
 class DeviceOdometry {
  public:

@@ -82,6 +82,7 @@ class Mapper {
 
   [[nodiscard]] const std::vector<KeyframeStamp>& keyframes() const { return keyframes_; }
   [[nodiscard]] const std::vector<PoseGraphEdge>& edges() const { return graph_.edges(); }
+  [[nodiscard]] bool uses_device_motion() const { return options_.device_motion; }
   // Of a key-frame that is there.
   [[nodiscard]] Expected<SharedMeasurements> measurements(KeyframeId id) { return store_.get(id); }
   // No frame is to come any more: what key-frames look like, some 13 kB each, is given back.

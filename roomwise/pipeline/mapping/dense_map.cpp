@@ -5,25 +5,48 @@
 #include "roomwise/pipeline/stored/keyframe_images.h"
 
 namespace roomwise::pipeline {
+namespace {
 
-Expected<void> DenseMap::follow(const home::Home& home, std::span<const home::Keyframe> keyframes,
-                                RunContext& run) {
+// Of a depth image between pictures: above those of key-frames, which have their own ids.
+fusion::FrameId frame_id_of(const home::DepthView& view) {
+  return (fusion::FrameId{1} << 48U) + view.id;
+}
+
+fusion::FramePoses poses_of(std::span<const home::Keyframe> keyframes,
+                            std::span<const home::DepthView> views) {
   fusion::FramePoses poses;
   for (const home::Keyframe& keyframe : keyframes) {
     poses[keyframe.id] = keyframe.pose.world_from_keyframe;
   }
+  for (const home::DepthView& view : views) {
+    const auto keyframe = poses.find(view.keyframe);
+    if (keyframe != poses.end()) {
+      poses[frame_id_of(view)] = keyframe->second * view.keyframe_from_view;
+    }
+  }
+  return poses;
+}
+
+}  // namespace
+
+Expected<void> DenseMap::follow(const home::Home& home, std::span<const home::Keyframe> keyframes,
+                                RunContext& run) {
+  ROOMWISE_TRY(auto views, home.depth_views());
   std::map<fusion::FrameId, fusion::Reintegration> steps;
-  for (const fusion::Reintegration& step : fusion_.reintegrations_for(poses))
+  for (const auto& step : fusion_.reintegrations_for(poses_of(keyframes, views))) {
     steps[step.frame] = step;
-  ROOMWISE_TRY(auto moving, home.keyframes());
-  std::erase_if(moving,
-                [&](const home::Keyframe& keyframe) { return !steps.contains(keyframe.id); });
+  }
   ROOMWISE_TRY(const auto cameras, recording_cameras(home));
   std::map<home::RecordingId, fusion::FrameSurfaceMaker> makers;
   for (const auto& [id, camera] : cameras) {
     makers.emplace(id, fusion::FrameSurfaceMaker(camera, surface_));
   }
-  return for_each_keyframe(
+  ROOMWISE_TRY(auto moving, home.keyframes());
+  std::erase_if(moving,
+                [&](const home::Keyframe& keyframe) { return !steps.contains(keyframe.id); });
+  std::erase_if(views,
+                [&](const home::DepthView& view) { return !steps.contains(frame_id_of(view)); });
+  ROOMWISE_RETURN_IF_ERROR(for_each_keyframe(
       home, moving, "fusing the map", run,
       [&](const home::Keyframe& keyframe, const DecodedImages& images) {
         const auto timing = run.clock.measure("surfaces");
@@ -31,6 +54,15 @@ Expected<void> DenseMap::follow(const home::Home& home, std::span<const home::Ke
       },
       [&](const home::Keyframe& keyframe, const fusion::FrameSurface& surface) {
         return fusion_.apply(steps.at(keyframe.id), surface, run.pool);
+      }));
+  return for_each_depth_view(
+      home, views, "fusing depth between pictures", run,
+      [&](const home::DepthView& view, const image::DepthImage& depth) {
+        const auto timing = run.clock.measure("surfaces");
+        return makers.at(view.recording).make(depth);
+      },
+      [&](const home::DepthView& view, const fusion::FrameSurface& surface) {
+        return fusion_.apply(steps.at(frame_id_of(view)), surface, run.pool);
       });
 }
 

@@ -37,6 +37,54 @@ TEST_F(DenseMapTest, FollowsWhenTheMapIsCorrected) {
   EXPECT_EQ(map->fused().size(), kKeyframes);
 }
 
+// Half of the room's pictures are taken away, and what their depth showed is left with those
+// before.
+TEST_F(DenseMapTest, DepthBetweenPicturesShowsWhatNoPictureDoes) {
+  const auto all = keyframes();
+  auto half = home::Home::create(folder_ / "half.home");
+  ASSERT_OK(half);
+  const geometry::PinholeCamera camera = fusion::testing::small_camera();
+  home::MapCommit step;
+  step.recording = half->add_recording({"room", "", camera, kKeyframes}).value();
+  step.next_frame_index = kKeyframes;
+  for (std::size_t i = 0; i < kKeyframes; i += 2) {
+    auto& added =
+        step.keyframes.emplace_back(home::NewKeyframe{{i / 2, i, static_cast<TimestampNs>(i + 1)},
+                                                      all[i].pose,
+                                                      home_->images(i).value(),
+                                                      {},
+                                                      {}});
+    const RigidTransform from_view =
+        all[i].pose.world_from_keyframe.inverse() * all[i + 1].pose.world_from_keyframe;
+    added.depth_views = {{static_cast<TimestampNs>(i + 2), from_view, home_->images(i + 1)->depth}};
+  }
+  ASSERT_OK(half->commit(step));
+  const auto with = build_dense_map(*half, map_keyframes(*half).value(), {}, run_);
+  ASSERT_OK(with);
+  fusion::TsdfOptions no_colors;
+  no_colors.keeps_colors = false;
+  EXPECT_TRUE(build_dense_map(*half, map_keyframes(*half).value(), no_colors, run_)->field() ==
+              build_dense_map(*home_, all, no_colors, run_)->field())
+      << "the same surfaces as of all pictures";
+  EXPECT_FALSE(with->field() == build_dense_map(*home_, all, {}, run_)->field())
+      << "which have no colour where no picture shows them";
+
+  auto corrected = map_keyframes(*half).value();
+  corrected[3].pose.world_from_keyframe.translation.x() += 0.1;
+  auto map = build_dense_map(*half, corrected, {}, run_);
+  ASSERT_OK(map);
+  ASSERT_OK(map->follow(*half, map_keyframes(*half).value(), run_));
+  EXPECT_TRUE(map->field() == with->field()) << "they follow their key-frames";
+  corrected.pop_back();
+  ASSERT_OK(map->follow(*half, corrected, run_));
+  EXPECT_EQ(map->fused().size(), kKeyframes - 2) << "and go with them";
+
+  ASSERT_OK(
+      half->database().run("UPDATE keyframe_depth_views SET depth = x'00' "
+                           "WHERE keyframe_id = 2"));
+  EXPECT_ERROR(build_dense_map(*half, map_keyframes(*half).value(), {}, run_), "key-frame 2");
+}
+
 TEST_F(DenseMapTest, RefusesVoxelsOfNoUse) {
   EXPECT_ERROR(build_dense_map(*home_, keyframes(), {.voxel_size_m = 0}, run_), "voxel_size_m");
 }

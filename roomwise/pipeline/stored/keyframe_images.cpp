@@ -4,17 +4,29 @@
 
 namespace roomwise::pipeline {
 
+namespace {
+
+template <typename Image>
+Expected<Image> of_camera(Image image, std::string_view what,
+                          const geometry::PinholeCamera& camera) {
+  if (image.width() == camera.width && image.height() == camera.height) return image;
+  return fail("the {} image is {}x{}, its camera takes {}x{}", what, image.width(), image.height(),
+              camera.width, camera.height);
+}
+
+}  // namespace
+
+Expected<image::DepthImage> decode_depth(const Bytes& depth,
+                                         const geometry::PinholeCamera& camera) {
+  ROOMWISE_TRY(image::DepthImage decoded, image::decode_depth(depth));
+  return of_camera(std::move(decoded), "depth", camera);
+}
+
 Expected<DecodedImages> decode(const home::KeyframeImages& images,
                                const geometry::PinholeCamera& camera) {
-  ROOMWISE_TRY(image::ColorImage color, image::decode_color(images.color));
-  ROOMWISE_TRY(image::DepthImage depth, image::decode_depth(images.depth));
-  const auto check_size = [&](const auto& image, std::string_view what) -> Expected<void> {
-    if (image.width() == camera.width && image.height() == camera.height) return {};
-    return fail("the {} image is {}x{}, its camera takes {}x{}", what, image.width(),
-                image.height(), camera.width, camera.height);
-  };
-  ROOMWISE_RETURN_IF_ERROR(check_size(color, "colour"));
-  ROOMWISE_RETURN_IF_ERROR(check_size(depth, "depth"));
+  ROOMWISE_TRY(image::ColorImage decoded, image::decode_color(images.color));
+  ROOMWISE_TRY(image::ColorImage color, of_camera(std::move(decoded), "colour", camera));
+  ROOMWISE_TRY(image::DepthImage depth, decode_depth(images.depth, camera));
   return DecodedImages{std::move(color), std::move(depth)};
 }
 

@@ -21,6 +21,9 @@ struct DecodedImages {
 // Fails where an image is damaged or not of the camera's size.
 [[nodiscard]] Expected<DecodedImages> decode(const home::KeyframeImages& images,
                                              const geometry::PinholeCamera& camera);
+// The same of a depth image alone.
+[[nodiscard]] Expected<image::DepthImage> decode_depth(const Bytes& depth,
+                                                       const geometry::PinholeCamera& camera);
 // The camera of every recording.
 [[nodiscard]] Expected<std::map<home::RecordingId, geometry::PinholeCamera>> recording_cameras(
     const home::Home& home);
@@ -67,6 +70,30 @@ template <typename Make, typename Take, typename Lost = NothingInItsPlace>
       },
       [&](std::size_t i, std::optional<Made> made) -> Expected<void> {
         return made ? take(keyframes[i], *std::move(made)) : lost(keyframes[i]);
+      });
+}
+
+// The same of depth images between pictures. One that cannot be read is named by its key-frame, and
+// may be gone on without likewise.
+template <typename Make, typename Take>
+[[nodiscard]] Expected<void> for_each_depth_view(const home::Home& home,
+                                                 std::span<const home::DepthView> views,
+                                                 std::string_view work, RunContext& run,
+                                                 const Make& make, const Take& take) {
+  if (views.empty()) return {};
+  using Made = std::invoke_result_t<Make, const home::DepthView&, const image::DepthImage&>;
+  ROOMWISE_TRY(const auto cameras, recording_cameras(home));
+  return in_blocks(
+      views.size(), work, run, [&](std::size_t i) { return home.depth_view_image(views[i].id); },
+      [&](std::size_t i, const Bytes& image) -> Expected<std::optional<Made>> {
+        auto depth = decode_depth(image, cameras.at(views[i].recording));
+        if (depth) return std::optional<Made>(make(views[i], *depth));
+        ROOMWISE_RETURN_IF_ERROR(
+            go_on_without(home, views[i].keyframe, std::move(depth).error(), run.lost));
+        return std::nullopt;
+      },
+      [&](std::size_t i, std::optional<Made> made) -> Expected<void> {
+        return made ? take(views[i], *std::move(made)) : Expected<void>();
       });
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "roomwise/image/codec.h"
+#include "roomwise/mapping/frontend/device_odometry.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/measured_frame_reader.h"
 #include "roomwise/pipeline/stored/stored_keyframes.h"
@@ -13,6 +14,16 @@ namespace {
 
 // A commit waits for the disk: where no key-frame is made, so many frames share one.
 constexpr std::uint64_t kFramesACommit = 30;
+
+// Not those where the device's own motion, by which they are placed, jumped.
+std::vector<image::DepthView> depth_views_of(const image::RgbdFrame& frame) {
+  std::vector<image::DepthView> views = frame.depth_views;
+  std::erase_if(views, [&](const image::DepthView& view) {
+    return mapping::is_device_jump(view.frame_from_view,
+                                   seconds_between(frame.timestamp_ns, view.timestamp_ns));
+  });
+  return views;
+}
 
 }  // namespace
 
@@ -102,8 +113,10 @@ Expected<void> MapWriter::write(
   for (const mapping::KeyframeId id : step.new_keyframes) {
     const mapping::KeyframeStamp& keyframe = mapper_.keyframes()[id];
     poses_.push_back(first_pose(id));
-    keyframes.push_back(
-        {keyframe, poses_.back(), images_of(frame_of(keyframe.frame_index)), {}, {}});
+    const image::RgbdFrame& frame = frame_of(keyframe.frame_index);
+    home::NewKeyframe& stored = keyframes.emplace_back(
+        home::NewKeyframe{keyframe, poses_.back(), images_of(frame), {}, {}});
+    if (mapper_.uses_device_motion()) stored.depth_views = depth_views_of(frame);
   }
   const std::uint64_t newest =
       step.is_checkpoint ? mapper_.frames().back().index : keyframes.back().frame_index;

@@ -83,6 +83,16 @@ void note_depth(RecordingContents& contents) {
                                        without, contents.pictures.size()));
 }
 
+void note_depth_views(const std::vector<PhonePicture>& pictures, RecordingContents& contents) {
+  std::size_t count = 0;
+  for (const PhonePicture& picture : pictures) {
+    if (!picture.depth.empty()) count += picture.depth_views.size();
+  }
+  if (count == 0) return;
+  contents.notes.push_back(fmt::format(
+      "{} depth images between pictures add to the surfaces, where they can be read", count));
+}
+
 // How far pictures are turned to stand upright. Camera and poses of `contents` become those of the
 // turned pictures.
 int turn_upright(const std::optional<Eigen::Vector3d>& device_up, RecordingContents& contents) {
@@ -131,6 +141,7 @@ Expected<std::unique_ptr<Recording>> PhoneRecording::open(PhoneListing listing,
   contents.info.left_out |= facts_of_pictures(listing);
   contents.damaged = listing.damaged;
   note_depth(contents);
+  note_depth_views(listing.pictures, contents);
   contents.poses_are_device_motion = listing.poses_are_device_motion;
   contents.device_up = listing.device_up;
   contents.reads_in_order = listing.read_color != nullptr;
@@ -161,16 +172,35 @@ Expected<Bytes> PhoneRecording::read_encoded(const PhonePicture& picture) const 
                             kResampledJpegQuality);
 }
 
-Expected<image::DepthImage> PhoneRecording::read_depth(const PhonePicture& picture) const {
-  ROOMWISE_TRY(image::DepthImage depth, image::read_depth(picture.depth));
+Expected<image::DepthImage> PhoneRecording::read_depth(const std::filesystem::path& file,
+                                                       const PinholeCamera& camera) const {
+  ROOMWISE_TRY(image::DepthImage depth, image::read_depth(file));
   if (listing_.no_depth != 0) std::ranges::replace(depth.pixels(), listing_.no_depth, 0);
   const PinholeCamera from =
-      listing_.depth_camera.value_or(depth_camera(picture.camera, depth.width(), depth.height()));
+      listing_.depth_camera.value_or(depth_camera(camera, depth.width(), depth.height()));
   if (from.width != depth.width() || from.height != depth.height()) {
-    return fail("{}: has {}x{} pixels, expected {}x{}", picture.depth.string(), depth.width(),
+    return fail("{}: has {}x{} pixels, expected {}x{}", file.string(), depth.width(),
                 depth.height(), from.width, from.height);
   }
   return turned(as_seen_by(depth, from, common_camera_), turns_);
+}
+
+// One that cannot be read is passed over: the frame is whole without it.
+std::vector<image::DepthView> PhoneRecording::read_depth_views(const PhonePicture& picture) const {
+  const geometry::RigidTransform turned_frame = turned_from_camera(turns_);
+  std::vector<image::DepthView> views;
+  for (const PhoneDepthView& view : picture.depth_views) {
+    PinholeCamera camera = view.camera;
+    camera.width = picture.camera.width;
+    camera.height = picture.camera.height;
+    if (!camera.validate()) continue;
+    const auto depth = read_depth(view.depth, camera);
+    if (!depth) continue;
+    views.push_back({view.timestamp_ns,
+                     turned_frame * view.picture_from_view * turned_frame.inverse(),
+                     image::encode_smooth_png(*depth)});
+  }
+  return views;
 }
 
 Expected<image::ColorImage> PhoneRecording::read_picture(const RecordedPicture& picture) const {
@@ -189,8 +219,9 @@ Expected<image::RgbdFrame> PhoneRecording::read_frame(const RecordedPicture& pic
   ROOMWISE_TRY(frame.encoded_color, read_encoded(original(picture)));
   // As a resumed run will find it.
   ROOMWISE_TRY(frame.color, image::decode_color(frame.encoded_color));
-  ROOMWISE_TRY(frame.depth, read_depth(original(picture)));
+  ROOMWISE_TRY(frame.depth, read_depth(original(picture).depth, original(picture).camera));
   frame.encoded_depth = image::encode_smooth_png(frame.depth);
+  frame.depth_views = read_depth_views(original(picture));
   return frame;
 }
 

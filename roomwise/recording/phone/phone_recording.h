@@ -9,14 +9,23 @@
 
 namespace roomwise::recording {
 
+// What a phone's LiDAR measured between two pictures.
+struct PhoneDepthView {
+  TimestampNs timestamp_ns = 0;
+  std::filesystem::path depth;                 // 16-bit PNG, mm
+  geometry::PinholeCamera camera;              // of a picture then; its size may be absent
+  geometry::RigidTransform picture_from_view;  // from the picture before it
+};
+
 // A picture of a phone and what its LiDAR measured at the same moment.
 struct PhonePicture {
   std::uint64_t index = 0;
   TimestampNs timestamp_ns = 0;
-  std::filesystem::path color;     // JPEG or PNG
-  std::filesystem::path depth;     // 16-bit PNG, mm; empty where there is none
-  geometry::PinholeCamera camera;  // its size may be absent: that of the picture
-  std::size_t place = 0;           // in its file, where that holds more than one
+  std::filesystem::path color;                   // JPEG or PNG
+  std::filesystem::path depth;                   // 16-bit PNG, mm; empty where there is none
+  geometry::PinholeCamera camera;                // its size may be absent: that of the picture
+  std::size_t place = 0;                         // in its file, where that holds more than one
+  std::vector<PhoneDepthView> depth_views = {};  // before the next picture
 };
 
 // What the files of a phone's recording say.
@@ -64,7 +73,9 @@ class PhoneRecording final : public Recording {
         turns_(turns) {}
   [[nodiscard]] const PhonePicture& original(const RecordedPicture& picture) const;
   [[nodiscard]] Expected<Bytes> read_encoded(const PhonePicture& picture) const;
-  [[nodiscard]] Expected<image::DepthImage> read_depth(const PhonePicture& picture) const;
+  [[nodiscard]] Expected<image::DepthImage> read_depth(const std::filesystem::path& file,
+                                                       const geometry::PinholeCamera& camera) const;
+  [[nodiscard]] std::vector<image::DepthView> read_depth_views(const PhonePicture& picture) const;
   [[nodiscard]] Expected<image::RgbdFrame> read_frame(
       const RecordedPicture& picture) const override;
   [[nodiscard]] Expected<image::ColorImage> read_picture(

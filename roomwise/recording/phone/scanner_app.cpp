@@ -73,6 +73,23 @@ void note_lost_poses(const AllFacts& facts, const NumberedFiles& colors, PhoneLi
                   lost.size(), lost.front()));
 }
 
+// The depth images from a picture on until the next one.
+std::vector<PhoneDepthView> depth_views_after(std::uint64_t picture, const AllFacts& facts,
+                                              const NumberedFiles& colors,
+                                              const NumberedFiles& depths) {
+  const auto first = facts.of_frame.find(picture);
+  const geometry::RigidTransform picture_from_world = first->second.world_from_camera.inverse();
+  std::vector<PhoneDepthView> views;
+  for (auto at = std::next(first); at != facts.of_frame.end() && !colors.contains(at->first);
+       ++at) {
+    const auto& [number, of_frame] = *at;
+    if (!depths.contains(number)) continue;
+    views.push_back({of_frame.timestamp_ns, depths.at(number), of_frame.camera,
+                     picture_from_world * of_frame.world_from_camera});
+  }
+  return views;
+}
+
 }  // namespace
 
 bool is_scanner_app_export(const fs::path& folder) {
@@ -108,7 +125,8 @@ Expected<std::unique_ptr<Recording>> open_scanner_app_export(const fs::path& fol
       continue;
     }
     listing.pictures.push_back({number, of_frame->second.timestamp_ns, file,
-                                file_or_none(depths, number), of_frame->second.camera});
+                                file_or_none(depths, number), of_frame->second.camera, 0,
+                                depth_views_after(number, facts, colors, depths)});
   }
   for (const auto& [number, of_frame] : facts.of_frame) {
     listing.device_poses.push_back({of_frame.timestamp_ns, of_frame.world_from_camera});
