@@ -13,14 +13,23 @@ auto read_decoded(const std::filesystem::path& path, Decode decode) -> decltype(
   return in_context(path.string(), decode(bytes));
 }
 
-}  // namespace
-
-Expected<ColorImage> decode_color(std::span<const std::uint8_t> bytes, std::int64_t max_pixels) {
+Expected<ColorImage> decode(std::span<const std::uint8_t> bytes, std::int64_t max_pixels,
+                            bool by_exif) {
   if (bytes.empty()) return fail("is empty; expected a JPEG, PNG or WebP picture");
-  if (is_jpeg(bytes)) return decode_jpeg(bytes, max_pixels);
+  if (is_jpeg(bytes)) return decode_jpeg(bytes, max_pixels, by_exif);
   if (is_png(bytes)) return decode_png_color(bytes, max_pixels);
   if (is_webp(bytes)) return decode_webp(bytes, max_pixels);
   return fail("is neither a JPEG nor a PNG nor a WebP picture; convert it to one of them");
+}
+
+}  // namespace
+
+Expected<ColorImage> decode_color(std::span<const std::uint8_t> bytes, std::int64_t max_pixels) {
+  return decode(bytes, max_pixels, true);
+}
+
+Expected<ColorImage> read_color_as_taken(const std::filesystem::path& path) {
+  return read_decoded(path, [](const Bytes& bytes) { return decode(bytes, kMaxPixels, false); });
 }
 
 Expected<DepthImage> decode_depth(std::span<const std::uint8_t> bytes, std::int64_t max_pixels) {

@@ -34,6 +34,9 @@ constexpr std::int64_t kMaxPixels = 100'000'000;
 [[nodiscard]] Expected<ColorImage> read_color(const std::filesystem::path& path);
 [[nodiscard]] Expected<DepthImage> read_depth(const std::filesystem::path& path);
 
+// As its sensor read it, whatever Exif says of turning it: so lies the depth image beside it.
+[[nodiscard]] Expected<ColorImage> read_color_as_taken(const std::filesystem::path& path);
+
 // A picture, and what it says itself of the lens that took it (a JPEG's Exif).
 struct Photo {
   ColorImage color;

@@ -190,6 +190,12 @@ TEST(Codec, TurnsAPhotoUprightByItsExif) {
   ASSERT_EQ(upright.height(), 64);
   EXPECT_NEAR(upright.at(47, 0).r, image.at(0, 0).r, 8) << "top left went to the top right";
   EXPECT_NEAR(upright.at(47, 63).r, image.at(63, 0).r, 8) << "top right went to the bottom right";
+
+  const roomwise::testing::ScratchFolder folder;
+  ASSERT_OK(write_file(folder / "turned.jpg", jpeg));
+  const ColorImage as_taken = read_color_as_taken(folder / "turned.jpg").value();
+  ASSERT_EQ(as_taken.width(), 64);
+  EXPECT_NEAR(as_taken.at(63, 0).r, image.at(63, 0).r, 8);
 }
 
 TEST(Codec, RefusesCmyk) {

@@ -10,8 +10,9 @@
 // The decoders that codec.h chooses from: libjpeg-turbo, libpng and libwebp; callers use codec.h.
 namespace roomwise::image {
 
+// `by_exif`: turned as its Exif says.
 [[nodiscard]] Expected<ColorImage> decode_jpeg(std::span<const std::uint8_t> bytes,
-                                               std::int64_t max_pixels);
+                                               std::int64_t max_pixels, bool by_exif);
 // What its Exif says of the lens.
 [[nodiscard]] std::optional<ExifLens> lens_of_jpeg(std::span<const std::uint8_t> bytes);
 [[nodiscard]] Expected<ColorImage> decode_png_color(std::span<const std::uint8_t> bytes,

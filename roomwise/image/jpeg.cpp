@@ -164,7 +164,8 @@ bool is_jpeg(std::span<const std::uint8_t> bytes) {
   return bytes.size() >= 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
 }
 
-Expected<ColorImage> decode_jpeg(std::span<const std::uint8_t> bytes, std::int64_t max_pixels) {
+Expected<ColorImage> decode_jpeg(std::span<const std::uint8_t> bytes, std::int64_t max_pixels,
+                                 bool by_exif) {
   JpegReader reader;
   const auto damaged = [&] {
     return fail("is a truncated or damaged JPEG ({}); copy or take the picture again",
@@ -182,7 +183,7 @@ Expected<ColorImage> decode_jpeg(std::span<const std::uint8_t> bytes, std::int64
   ColorImage image(static_cast<int>(header.image_width), static_cast<int>(header.image_height));
   const int orientation = reader.orientation();  // libjpeg forgets it with the last row
   if (!reader.read(image.pixels().data())) return damaged();
-  return apply_orientation(std::move(image), orientation);
+  return by_exif ? apply_orientation(std::move(image), orientation) : std::move(image);
 }
 
 std::optional<ExifLens> lens_of_jpeg(std::span<const std::uint8_t> bytes) {

@@ -20,7 +20,7 @@ constexpr int kResampledJpegQuality = 95;
 Expected<image::ColorImage> read_color_of(const PhoneListing& listing,
                                           const PhonePicture& picture) {
   if (listing.read_color) return listing.read_color(picture.place);
-  return image::read_color(picture.color);
+  return image::read_color_as_taken(picture.color);
 }
 
 // The first that can be read; the first's error where none can.

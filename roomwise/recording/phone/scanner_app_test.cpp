@@ -7,6 +7,7 @@
 
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/image/testing/exif_writer.h"
 #include "roomwise/recording/open_recording.h"
 
 namespace roomwise::recording {
@@ -84,6 +85,21 @@ TEST_F(ScannerAppFolder, GivesThePosesOfAllFramesInOurAxes) {
   EXPECT_LT(
       (motion->world_from_camera.rotation * *motion->up_camera - Eigen::Vector3d::UnitY()).norm(),
       1e-12);
+}
+
+// Its depth lies as the sensor read it, whatever the picture's Exif says of turning it.
+TEST_F(ScannerAppFolder, IsNotTurnedByTheExifOfAPicture) {
+  image::ColorImage color(kWidth_px, kHeight_px, {200, 200, 200});
+  for (int y = 0; y < kHeight_px / 2; ++y) {
+    for (int x = 0; x < kWidth_px; ++x) color.at(x, y) = {20, 20, 20};
+  }
+  write(3, "frame_{:05}.jpg",
+        image::testing::with_exif(image::encode_jpeg(color, 95),
+                                  image::testing::exif_with_place(3)));  // upside down
+  const auto frame = open().value()->frame(3);
+  ASSERT_OK(frame);
+  EXPECT_NEAR((*frame)->color.at(30, 8).r, 20, 2);
+  EXPECT_NEAR((*frame)->color.at(30, 40).r, 200, 2);
 }
 
 TEST_F(ScannerAppFolder, GivesDepthBetweenPicturesWithTheFrameBefore) {
