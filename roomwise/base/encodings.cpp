@@ -4,6 +4,7 @@
 #include <openssl/evp.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace roomwise {
 
@@ -25,6 +26,18 @@ std::string base64url(std::span<const std::uint8_t> bytes) {
   std::ranges::replace(text, '/', '_');
   std::erase(text, '=');
   return text;
+}
+
+bool is_plain_text(std::string_view text) {
+  const bool has_control = std::ranges::any_of(text, [](char letter) {
+    return static_cast<unsigned char>(letter) < 0x20 || letter == 0x7F;
+  });
+  if (has_control) return false;
+  try {
+    return !nlohmann::json(text).dump().empty();
+  } catch (const nlohmann::json::exception&) {
+    return false;
+  }
 }
 
 }  // namespace roomwise

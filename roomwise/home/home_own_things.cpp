@@ -1,24 +1,12 @@
 // The part of Home that stores things that people taught.
 
+#include "roomwise/base/encodings.h"
 #include "roomwise/home/home.h"
 #include "roomwise/home/schema.h"
 #include "roomwise/home/stored_values.h"
 
 namespace roomwise::home {
 namespace {
-
-// One line of UTF-8.
-bool is_plain_text(const std::string& text) {
-  const bool has_control = std::ranges::any_of(text, [](char letter) {
-    return static_cast<unsigned char>(letter) < 0x20 || letter == 0x7F;
-  });
-  if (has_control) return false;
-  try {
-    return !nlohmann::json(text).dump().empty();
-  } catch (const nlohmann::json::exception&) {
-    return false;
-  }
-}
 
 // A device's number alone. It used to be kept with its name, which changes.
 std::string owner_number(std::string owner) {

@@ -4,6 +4,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "roomwise/base/encodings.h"
 #include "roomwise/base/file.h"
 #include "roomwise/recording/data_lines.h"
 
@@ -20,7 +21,8 @@ Expected<void> validate(const RoomRange& range) {
     return fail("{} runs backwards; give the lower frame first", describe(range));
   }
   if (auto name = validate_room_name(range.room); !name) {
-    return Unexpected(std::move(name).error().with_context(describe(range)));
+    return Unexpected(std::move(name).error().with_context(
+        fmt::format("the range {} to {}", range.first_frame, range.last_frame)));
   }
   if (range.stay < 1) {
     return fail("{} is visit {}; visits are numbered from 1", describe(range), range.stay);
@@ -55,6 +57,9 @@ Expected<RoomRange> parse_range(std::span<const std::string_view> words) {
 }  // namespace
 
 Expected<void> validate_room_name(std::string_view name) {
+  if (!is_plain_text(name)) {
+    return fail("the name of a room is not UTF-8 text; save the file as UTF-8, or name it anew");
+  }
   const auto lines = data_lines(name);
   if (lines.size() == 1 && fmt::format("{}", fmt::join(lines[0].words, " ")) == name) return {};
   return fail(

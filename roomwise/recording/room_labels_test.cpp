@@ -54,6 +54,9 @@ TEST_F(RoomLabelsFile, NamesTheLineThatIsWrong) {
                line(1) + ": the range 9 to 0 of 'corridor' runs backwards");
   EXPECT_ERROR(read("0 9 a 1\n9 12 b 1\n"), line(2) + ": the range 9 to 12 of 'b' overlaps");
   EXPECT_ERROR(read("10 19 a 1\n0 5 b 1\n"), "stands after");
+  EXPECT_ERROR(read("0 9 ki\xfc"
+                    "che 1\n"),
+               line(1) + ": the range 0 to 9: the name of a room is not UTF-8");
 }
 
 TEST(RoomLabels, RefusesRangesThatMakeNoSense) {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "roomwise/base/encodings.h"
 #include "roomwise/base/in_context.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/image/picture_files.h"
@@ -299,6 +300,9 @@ Expected<std::vector<RoomPhoto>> list_room_photos(const std::filesystem::path& f
   for (fs::directory_iterator room(folder, error), end; !error && room != end;
        room.increment(error)) {
     if (!room->is_directory()) continue;
+    if (!is_plain_text(room->path().filename().string())) {
+      return fail("{}: has a folder whose name is not UTF-8 text; rename it", folder.string());
+    }
     for (fs::directory_iterator file(room->path(), error); !error && file != end;
          file.increment(error)) {
       if (image::has_ending_of_picture(file->path()))
