@@ -4,6 +4,8 @@
 
 #include "networks.h"
 #include "roomwise/base/file.h"
+#include "roomwise/base/in_context.h"
+#include "roomwise/objects/detection/object_vocabulary.h"
 #include "roomwise/objects/kinds/kinds.h"
 
 namespace roomwise::app {
@@ -22,10 +24,8 @@ Expected<void> add_own_kinds() {
   const std::filesystem::path file = own_kinds_file();
   if (file.empty()) return {};
   ROOMWISE_TRY(const std::string text, read_text_file(file));
-  if (auto added = objects::add_kinds(text); !added) {
-    return Unexpected(std::move(added).error().with_context(file.string()));
-  }
-  return {};
+  return in_context(file.string(),
+                    objects::add_kinds(text).and_then(objects::ObjectVocabulary::check_kinds));
 }
 
 }  // namespace roomwise::app

@@ -45,6 +45,24 @@ ObjectVocabulary ObjectVocabulary::look_alikes() {
   return of_kinds(false);
 }
 
+Expected<void> ObjectVocabulary::check_kinds() {
+  for (const bool spoken_of : {true, false}) {
+    ObjectVocabulary vocabulary;
+    for (const Kind& kind : standard_kinds()) {
+      if (kind.is_spoken_of != spoken_of || kind.labels.empty()) continue;
+      for (const std::string& label : kind.labels) {
+        if (const auto other = vocabulary.object_of(label)) {
+          return fail(
+              "kind \"{}\": the label \"{}\" means \"{}\" already; leave it out in one of the two",
+              kind.name, label, *other);
+        }
+      }
+      if (auto added = vocabulary.add(kind.name, kind.labels); !added) return added;
+    }
+  }
+  return {};
+}
+
 ObjectVocabulary ObjectVocabulary::of_kinds(bool spoken_of) {
   ObjectVocabulary vocabulary;
   for (const Kind& kind : standard_kinds()) {

@@ -23,6 +23,9 @@ class ObjectVocabulary {
   // lamp, wardrobe, microwave, stove, fridge and toilet seat.
   [[nodiscard]] static ObjectVocabulary standard();
 
+  // Fails where the kinds, with somebody's own, are no vocabulary: a label means two.
+  [[nodiscard]] static Expected<void> check_kinds();
+
   // What stands in homes and is in no table, but is taken for what is: a radiator for a toilet.
   [[nodiscard]] static ObjectVocabulary look_alikes();
 

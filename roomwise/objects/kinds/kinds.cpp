@@ -7,6 +7,7 @@
 #include <numbers>
 #include <set>
 
+#include "roomwise/base/encodings.h"
 #include "roomwise/base/own_data.h"
 #include "roomwise/objects/built_in_data.h"
 
@@ -52,6 +53,13 @@ Expected<void> check_fields(const json& row) {
 bool is_ordered(const SizeDistribution& size) {
   return (size.min_m.array() > 0).all() && (size.min_m.array() < size.usual_m.array()).all() &&
          (size.usual_m.array() < size.max_m.array()).all();
+}
+
+constexpr std::size_t kMaxName = 100;
+
+bool is_name(std::string_view name) {
+  return name.find_first_not_of(' ') != std::string_view::npos && name.size() <= kMaxName &&
+         is_plain_text(name);
 }
 
 StayTimes parse_stay_times(std::string_view text) {
@@ -100,6 +108,10 @@ Expected<std::vector<Kind>> parse_kinds(std::string_view text) {
     const auto parsed = json::parse(text);
     for (const json& row : parsed.at("kinds")) {
       const Kind& kind = kinds.emplace_back(kind_of(row));
+      if (!is_name(kind.name)) {
+        return fail("the kind in row {}: its name must be one line of text, {} bytes at most",
+                    kinds.size(), kMaxName);
+      }
       if (auto checked = check_fields(row); !checked) {
         return Unexpected(
             std::move(checked).error().with_context(fmt::format("kind \"{}\"", kind.name)));

@@ -9,6 +9,7 @@
 
 #include "roomwise/base/file.h"
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/objects/detection/object_vocabulary.h"
 
 namespace roomwise::objects {
 namespace {
@@ -83,6 +84,10 @@ TEST(Kinds, NameTheRowThatIsWrong) {
   EXPECT_ERROR(parse_kinds(R"({"kinds": [{"name": "egg"}, {"name": "egg"}]})"),
                "kind \"egg\" has two rows");
   EXPECT_ERROR(parse_kinds("{"), "row 1");
+  for (const char* name : {"", " ", "two\\nlines"}) {
+    EXPECT_ERROR(parse_kinds(fmt::format(R"({{"kinds": [{{"name": "{}"}}]}})", name)),
+                 "the kind in row 1: its name must be one line of text");
+  }
 }
 
 TEST(Kinds, TakeRowsOfSomebodysOwn) {
@@ -95,6 +100,18 @@ TEST(Kinds, TakeRowsOfSomebodysOwn) {
   ASSERT_OK(add_kinds(row(R"(, "moves": false)")));
   EXPECT_FALSE(find_kind("egg")->is_moved_about) << "a row takes the place of the one of its name";
   EXPECT_EQ(standard_kinds().size(), before + 1);
+}
+
+TEST(Kinds, OfSomebodysOwnThatTakeAnothersLabelAreRefused) {
+  ASSERT_OK(ObjectVocabulary::check_kinds());
+  const std::string label = find_kind("fridge")->labels.front();
+  ASSERT_OK(
+      add_kinds(fmt::format(R"({{"kinds": [{{"name": "my fridge", "labels": ["{}"]}}]}})", label)));
+  EXPECT_ERROR(ObjectVocabulary::check_kinds(), "means \"fridge\" already");
+  ASSERT_OK(add_kinds(R"({"kinds": [{"name": "my fridge", "labels": [""]}]})"));
+  EXPECT_ERROR(ObjectVocabulary::check_kinds(), "a label is empty");
+  ASSERT_OK(add_kinds(R"({"kinds": [{"name": "my fridge"}]})"));
+  EXPECT_OK(ObjectVocabulary::check_kinds());
 }
 
 // What a kind is stands in its row alone: code that asks for one by name is a rule for one noun.
