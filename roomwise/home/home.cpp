@@ -35,6 +35,8 @@ Expected<void> check_header(const Database& database) {
   const std::string& file = database.file();
   ROOMWISE_TRY(const DatabaseHeader header, database.header());
   if (header.file_bytes == 0) {
+    const auto lock = WriterLock::take(file);
+    if (!lock && lock.error().code == ErrorCode::kRefused) return Unexpected(lock.error());
     return fail(
         "{}: is empty, perhaps left by a run that was stopped as it began; delete it and "
         "make the home anew",
@@ -148,6 +150,14 @@ Expected<void> make_empty_file(const std::filesystem::path& path) {
   return {};
 }
 
+// A writer that was killed in the middle of a change leaves a journal that takes it back. Who
+// writes does that on opening; so does who may write, before reading.
+Expected<void> take_back_what_was_begun(const std::filesystem::path& path) {
+  ROOMWISE_TRY(const WriterLock lock, WriterLock::take(path));
+  ROOMWISE_TRY(const Database database, Database::open(path, Database::Access::kReadWrite));
+  return database.get<int>("PRAGMA user_version").map([](int) {});
+}
+
 Expected<Database> open_for_reading(const std::filesystem::path& path) {
   ROOMWISE_TRY(Database database, Database::open(path, Database::Access::kReadOnly));
   ROOMWISE_RETURN_IF_ERROR(check_header(database));
@@ -157,6 +167,9 @@ Expected<Database> open_for_reading(const std::filesystem::path& path) {
   const int code = sqlite3_errcode(database.handle()) & 0xff;
   if (code != SQLITE_CANTOPEN && code != SQLITE_READONLY) {
     return Unexpected(std::move(version).error());
+  }
+  if (has_part_beside(database.file(), "-journal") && take_back_what_was_begun(path)) {
+    return Database::open(path, Database::Access::kReadOnly);
   }
   for (const char* suffix : {"-wal", "-journal"}) {
     if (!has_part_beside(database.file(), suffix)) continue;
@@ -171,15 +184,18 @@ Expected<Database> open_for_reading(const std::filesystem::path& path) {
 }  // namespace
 
 Expected<Home> Home::create(const std::filesystem::path& path, const OpenOptions& options) {
+  // Before the file is there: who finds it empty knows by the lock that it is in the making.
+  auto lock = WriterLock::take(path);
+  if (!lock && lock.error().code == ErrorCode::kRefused) return Unexpected(lock.error());
   ROOMWISE_RETURN_IF_ERROR(make_empty_file(path));
   const auto make = [&]() -> Expected<Home> {
+    if (!lock) return Unexpected(lock.error());
     ROOMWISE_TRY(Database database, Database::open(path, Database::Access::kReadWrite));
-    ROOMWISE_TRY(WriterLock lock, WriterLock::take(path));
     ROOMWISE_RETURN_IF_ERROR(keep_checksums(database.handle(), database.file()));
     ROOMWISE_RETURN_IF_ERROR(configure(database));
     ROOMWISE_RETURN_IF_ERROR(create_tables(database));
     ROOMWISE_RETURN_IF_ERROR(begin_writing(database));
-    Home home(std::move(lock), std::move(database));
+    Home home(*std::move(lock), std::move(database));
     if (options.passphrase) {
       ROOMWISE_RETURN_IF_ERROR(
           home.begin_protection(*options.passphrase, ProtectionState::kEncrypted, {}));

@@ -109,6 +109,32 @@ TEST_F(HomeFile, RefusesAnEmptyFile) {
   expect_refused("is empty");
 }
 
+TEST_F(HomeFile, IsInUseWhileAnotherProcessMakesIt) {
+  const auto lock = WriterLock::take(path_);
+  ASSERT_OK(lock);
+  ASSERT_OK(write_file(path_, std::string_view()));
+  EXPECT_ERROR(Home::open(path_), "in use by another process");
+  EXPECT_ERROR(Home::open_read_only(path_), "in use by another process");
+  EXPECT_ERROR(Home::create(path_), "in use by another process");
+}
+
+TEST_F(HomeFile, AChangeThatAKilledWriterBeganIsTakenBackBeforeReading) {
+  const std::string digest = make();
+  const int status = testing::run_in_child([&] {
+    Database database = Database::open(path_, Database::Access::kReadWrite).value();
+    if (!database.run_script("PRAGMA journal_mode = DELETE; PRAGMA cache_size = 1; BEGIN; "
+                             "UPDATE keyframe_images SET color = zeroblob(500000)")) {
+      return 1;
+    }
+    return ::kill(::getpid(), SIGKILL);
+  });
+  ASSERT_TRUE(WIFSIGNALED(status));
+  ASSERT_GT(std::filesystem::file_size(folder_ / "a.home-journal"), 0U);
+  const auto home = Home::open_read_only(path_);
+  ASSERT_OK(home);
+  EXPECT_EQ(home->content_digest().value(), digest);
+}
+
 TEST_F(HomeFile, RefusesWhatIsNotThere) {
   expect_refused("no such file");
 }
