@@ -107,18 +107,19 @@ void DeviceSession::take_connection(TimestampNs now_ns) {
   }
   last_failure_.clear();
   removal_said_ = false;
-  no_connection_said_ = true;
   connection_ = *std::move(opened);
-  const auto news = link_.connected();
   heard_ns_ = now_ns;
   send(parts_.hello, now_ns);
   if (quiet_) send(service::Quiet{true}, now_ns);
-  if (news == service::DeviceLink::News::kBack) {
-    parts_.voice->notice("device.connection_back", guide::Sound::kBack, now_ns);
-  } else {
-    parts_.voice->notice("device.ready", guide::Sound::kBack, now_ns);
-  }
   if (!parts_.camera) lead_again(now_ns);  // no picture will come
+}
+
+// Who hears that it is ready presses a button at once: only now the home is known.
+void DeviceSession::take_first_welcome(TimestampNs now_ns) {
+  no_connection_said_ = true;
+  const bool is_back = link_.connected() == service::DeviceLink::News::kBack;
+  parts_.voice->notice(is_back ? "device.connection_back" : "device.ready", guide::Sound::kBack,
+                       now_ns);
 }
 
 // Said once, and not with every try; after a connection that was lost nothing more is to be said.
@@ -130,9 +131,14 @@ void DeviceSession::tell_of_failure(const Error& error, TimestampNs now_ns) {
   if (error.code == ErrorCode::kRefused) {
     if (std::exchange(removal_said_, true)) return;
     parts_.voice->notice("device.removed", guide::Sound::kAlert, now_ns);
-  } else if (!std::exchange(no_connection_said_, true)) {
-    parts_.voice->notice("device.no_connection", guide::Sound::kAlert, now_ns);
+  } else {
+    say_no_connection(now_ns);
   }
+}
+
+void DeviceSession::say_no_connection(TimestampNs now_ns) {
+  if (std::exchange(no_connection_said_, true)) return;
+  parts_.voice->notice("device.no_connection", guide::Sound::kAlert, now_ns);
 }
 
 void DeviceSession::lose(const std::string& why, TimestampNs now_ns) {
@@ -143,7 +149,9 @@ void DeviceSession::lose(const std::string& why, TimestampNs now_ns) {
   if (led_.by && asked_.contains(led_.by->id)) led_.is_unanswered = true;
   asked_.clear();        // no answers will come
   is_teaching_ = false;  // the computer forgets what was shown
-  if (link_.failed(steady_s(now_ns)) != service::DeviceLink::News::kLost) return;
+  if (link_.failed(steady_s(now_ns)) != service::DeviceLink::News::kLost) {
+    return say_no_connection(now_ns);  // it was not welcomed
+  }
   if (!led_.by) {
     return parts_.voice->notice("device.connection_lost", guide::Sound::kLost, now_ns);
   }
@@ -179,6 +187,7 @@ void DeviceSession::take(const service::HomeMessage& message, TimestampNs now_ns
     // From now on, if it did not before: a computer that has just begun makes its map ready.
     const bool begins_to_see = welcome->can_localize && !std::exchange(can_localize_, true);
     can_localize_ = welcome->can_localize;
+    if (link_.state() == service::DeviceLink::State::kConnecting) take_first_welcome(now_ns);
     if (begins_to_see && led_.again_from_ns) led_.again_from_ns = now_ns;
   } else if (const auto* arrived = std::get_if<service::FrameArrived>(&message)) {
     link_.acknowledged(arrived->t_ms, steady_s(now_ns));

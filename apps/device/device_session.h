@@ -50,7 +50,9 @@ class DeviceSession : private Interruption {
   [[nodiscard]] bool interrupted() const override { return over_; }
   void connect(TimestampNs now_ns);
   void take_connection(TimestampNs now_ns);
+  void take_first_welcome(TimestampNs now_ns);
   void tell_of_failure(const Error& error, TimestampNs now_ns);
+  void say_no_connection(TimestampNs now_ns);
   void lose(const std::string& why, TimestampNs now_ns);
   void receive(TimestampNs now_ns);
   void take(const service::HomeMessage& message, TimestampNs now_ns);

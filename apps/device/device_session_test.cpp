@@ -106,9 +106,17 @@ class AnsweringHome final : public service::SocketHandler {
     return signal.wait([&] { return frames >= before + more; });
   }
 
-  // To the device that was welcomed last; it may say "Ready." before.
+  // A device says hello, and hears nothing of it.
+  [[nodiscard]] bool was_greeted() {
+    return signal.wait([&] { return last_out != nullptr; });
+  }
+  void welcome() {
+    signal.change([&] { last_out->send_text(write(service::HomeMessage(kWelcome))); });
+  }
+
+  // To the device that said hello last.
   void say(const service::HomeMessage& message) {
-    ASSERT_TRUE(signal.wait([&] { return last_out != nullptr; })) << "no device was welcomed";
+    ASSERT_TRUE(was_greeted());
     std::shared_ptr<service::SocketOut> out;
     signal.change([&] { out = last_out; });
     out->send_text(write(message));
@@ -121,8 +129,12 @@ class AnsweringHome final : public service::SocketHandler {
   std::vector<service::Ask> asks;
   std::atomic<bool> has_forgotten = false;  // whom it led
   std::atomic<bool> is_slow = false;        // to answer, without end
+  std::atomic<bool> welcomes = true;        // who says hello; else welcome() does
 
  private:
+  inline static const service::Welcome kWelcome{
+      "flat", "device", {"kitchen"}, {"bed", "lamp"},
+      true,   true,     {},          {{"lamp", {"hall", "kitchen"}}}};
   class Session final : public service::SocketSession {
    public:
     Session(AnsweringHome& home, std::shared_ptr<service::SocketOut> out)
@@ -131,15 +143,7 @@ class AnsweringHome final : public service::SocketHandler {
       const auto message = service::read_device_message(text);
       ASSERT_OK(message);
       if (const auto* hello = std::get_if<service::Hello>(&*message)) {
-        out_->send_text(
-            write(service::HomeMessage(service::Welcome{"flat",
-                                                        "device",
-                                                        {"kitchen"},
-                                                        {"bed", "lamp"},
-                                                        true,
-                                                        true,
-                                                        {},
-                                                        {{"lamp", {"hall", "kitchen"}}}})));
+        if (home_.welcomes) out_->send_text(write(service::HomeMessage(kWelcome)));
         home_.signal.change([&] {
           home_.hellos.push_back(*hello);
           home_.last_out = out_;
@@ -592,6 +596,35 @@ TEST_F(DeviceSessionTest, FiveButtonsChooseAGoalPauseGoOnAndEnd) {
   EXPECT_EQ(asked(9).in_room + asked(10).in_room, "hallkitchen") << "one in each room";
   type("x");
   running.join();
+}
+
+TEST_F(DeviceSessionTest, IsReadyOnceItIsWelcomed) {
+  home_.welcomes = false;
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
+  EXPECT_TRUE(home_.was_greeted());
+  type("q");
+  EXPECT_TRUE(speaker_->hears("I only answer now."));
+  EXPECT_EQ(speaker_->times("Ready."), 0);
+  home_.welcome();
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  press(KEY_3);
+  EXPECT_TRUE(asked(1).is_room) << "what there is can be chosen from";
+  type("x");
+  running.join();
+}
+
+TEST_F(DeviceSessionTest, IsNotReadyWhereTheComputerGoesBeforeItsWelcome) {
+  home_.welcomes = false;
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
+  EXPECT_TRUE(home_.was_greeted());
+  server_->stop();
+  EXPECT_TRUE(speaker_->hears("I cannot reach the computer."));
+  home_.welcomes = true;
+  start_server();
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  type("x");
+  running.join();
+  EXPECT_EQ(speaker_->times("lost"), 0);
 }
 
 TEST_F(DeviceSessionTest, TeachesAThingByKeysAndStopsByTheSameKey) {

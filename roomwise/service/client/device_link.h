@@ -44,7 +44,7 @@ class DeviceLink {
   [[nodiscard]] bool begin_try(double now_s);
   // Each tells what a person should hear of it: the first connection, one that was lost, one that
   // is back. A try that fails is no news.
-  [[nodiscard]] News connected();
+  [[nodiscard]] News connected();           // and welcomed
   [[nodiscard]] News failed(double now_s);  // the try, or the connection
   // When begin_try() will be true; nothing while it is connecting or connected.
   [[nodiscard]] std::optional<double> next_try_s() const;
