@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <mutex>
+#include <set>
 #include <vector>
 
 #include "roomwise/base/file.h"
@@ -81,7 +83,7 @@ Expected<Bytes> run_espeak(std::vector<std::string> arguments, std::string_view 
 }
 
 // It speaks languages that it does not know in another's voice, and says nothing of it.
-Expected<void> check_language(const std::string& language) {
+Expected<void> look_for_voice(const std::string& language) {
   ROOMWISE_TRY(const Bytes output, run_espeak({"--voices=" + language}, ""));
   // Voices of languages that only begin alike are listed too: " 5  en-gb  --/M  ...  (en 2)".
   const std::string voices(output.begin(), output.end());
@@ -90,6 +92,20 @@ Expected<void> check_language(const std::string& language) {
   }
   if (voices.find("(" + language + " ") != std::string::npos) return {};
   return fail("espeak-ng has no voice \"{}\"; install espeak-ng-data", language);
+}
+
+// The same, once for each language that has one: else each prompt would start espeak-ng twice.
+Expected<void> check_language(const std::string& language) {
+  static std::mutex mutex;
+  static std::set<std::string> with_voice;
+  {
+    const std::scoped_lock lock(mutex);
+    if (with_voice.contains(language)) return {};
+  }
+  ROOMWISE_RETURN_IF_ERROR(look_for_voice(language));
+  const std::scoped_lock lock(mutex);
+  with_voice.insert(language);
+  return {};
 }
 
 // A WAV file of 16-bit mono whose lengths are not meant, as what is written to a pipe has.

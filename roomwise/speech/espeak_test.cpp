@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <thread>
 
+#include "roomwise/base/file.h"
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/speech/testing/test_sounds.h"
 
@@ -63,6 +66,21 @@ TEST(EspeakTest, SaysWhatIsWrong) {
   EXPECT_ERROR(synthesize("a", "no-such-language", 175), "no voice \"no-such-language\"");
   EXPECT_ERROR(synthesize("a", "en", 20), "20 words a minute; expected 80 to 450");
   EXPECT_ERROR(synthesize("a", "en", 900), "expected 80 to 450");
+}
+
+TEST(EspeakTest, IsStartedOnceForAPromptOfALanguageThatWasSpokenBefore) {
+  const roomwise::testing::ScratchFolder folder;
+  const std::string before = ::getenv("PATH");
+  ASSERT_OK(write_file(folder / "espeak-ng",
+                       fmt::format("#!/bin/sh\necho \"$1\" >> {}\nPATH={} exec espeak-ng \"$@\"\n",
+                                   (folder / "started").string(), before)));
+  std::filesystem::permissions(folder / "espeak-ng", std::filesystem::perms::owner_all);
+  ::setenv("PATH", fmt::format("{}:{}", folder.path().string(), before).c_str(), 1);
+  for (int i = 0; i < 3; ++i) EXPECT_OK(synthesize("yksi", "fi", 175));
+  for (int i = 0; i < 2; ++i) EXPECT_ERROR(synthesize("a", "no-such-language", 175), "no voice");
+  ::setenv("PATH", before.c_str(), 1);
+  EXPECT_EQ(read_text_file(folder / "started").value(),
+            "--voices=fi\n-v\n-v\n-v\n--voices=no-such-language\n--voices=no-such-language\n");
 }
 
 TEST(EspeakTest, ThreadsTakeTurns) {
