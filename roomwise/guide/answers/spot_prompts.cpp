@@ -19,6 +19,8 @@ std::string message_of(SpotStep step, bool has_name) {
       return "spot.too_many";
     case SpotStep::kForgotten:
       return "own.forgotten";
+    case SpotStep::kNotErased:
+      return "own.not_erased";
     case SpotStep::kRenamed:
       return "spot.renamed";
     case SpotStep::kNotYours:

@@ -20,6 +20,7 @@ enum class SpotStep {
   kOtherName,  // that name means something else
   kTooMany,
   kForgotten,
+  kNotErased,  // it is forgotten, and not erased yet
   kRenamed,    // `name`: the new one
   kNotYours,   // nothing of that name, or somebody else's
   kNoWayBack,  // nobody knows where one set out

@@ -6,17 +6,18 @@ namespace roomwise::guide {
 namespace {
 
 constexpr double kTeachingValid_s = 6;
-constexpr std::array<std::string_view, 17> kSteps{
+constexpr std::array<std::string_view, 18> kSteps{
     "teach.begin",  "teach.go_on",   "teach.enough",  "teach.more",     "teach.learning",
     "teach.taught", "teach.no_walk", "teach.name",    "teach.too_many", "teach.no_camera",
-    "teach.failed", "teach.stopped", "own.forgotten", "own.shared",     "own.kept",
-    "own.not_own",  "own.busy"};
+    "teach.failed", "teach.stopped", "own.forgotten", "own.not_erased", "own.shared",
+    "own.kept",     "own.not_own",   "own.busy"};
 
 bool has_name(TeachingStep step) {
   switch (step) {
     case TeachingStep::kTaught:
     case TeachingStep::kTaughtNotLookedFor:
     case TeachingStep::kForgotten:
+    case TeachingStep::kNotErased:
     case TeachingStep::kShared:
     case TeachingStep::kKept:
     case TeachingStep::kNotOwn:

@@ -23,6 +23,7 @@ enum class TeachingStep {
   kFailed,
   kStopped,
   kForgotten,
+  kNotErased,  // it is forgotten, and not erased yet
   kShared,
   kKept,    // its owner's alone
   kNotOwn,  // somebody else taught it, or nobody

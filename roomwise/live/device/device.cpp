@@ -365,8 +365,10 @@ void Device::hear_of_spots(const service::Ask& ask) {
   const auto changed =
       host_.change_spot(who_, ask.subject, renames ? std::optional(ask.name) : std::nullopt);
   if (changed) {
-    return say_spot(renames ? guide::SpotStep::kRenamed : guide::SpotStep::kForgotten,
-                    renames ? ask.name : ask.subject, ask);
+    say_spot(renames ? guide::SpotStep::kRenamed : guide::SpotStep::kForgotten,
+             renames ? ask.name : ask.subject, ask);
+    if (!renames) host_.erase_forgotten(who_, ask.subject, ask.question);
+    return;
   }
   const bool is_refused = changed.error().code == ErrorCode::kRefused;
   say_spot(is_refused ? guide::SpotStep::kNotYours : guide::SpotStep::kBusy, ask.subject, ask,
@@ -489,6 +491,23 @@ void Device::hear_of_own_things(const service::Ask& ask) {
                                    : is_not_own ? guide::TeachingStep::kNotOwn
                                                 : guide::TeachingStep::kBusy;
   say_step(step, ask.subject, ask.t_ms, ask.id, changed ? "" : changed.error().message);
+  if (step == guide::TeachingStep::kForgotten) {
+    host_.erase_forgotten(who_, ask.subject, ask.question);
+  }
+}
+
+void Device::was_not_erased(const std::string& name, service::Question what, const Error& why) {
+  double t_ms = 0;
+  {
+    const std::scoped_lock lock(mutex_);
+    t_ms = now_t_ms();
+  }
+  if (what == service::Question::kForgetThing) {
+    return say_step(guide::TeachingStep::kNotErased, name, t_ms, {}, why.message);
+  }
+  say({guide::spot_prompt(guide::SpotStep::kNotErased, name, wording_now(),
+                          std::llround(t_ms * 1e6), why.message)},
+      {}, {});
 }
 
 void Device::begin_teaching(const service::Ask& ask) {

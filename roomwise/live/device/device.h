@@ -70,6 +70,10 @@ class DeviceHost {
   [[nodiscard]] virtual Expected<void> change_spot(const service::Identity& who,
                                                    const std::string& name,
                                                    const std::optional<std::string>& new_name) = 0;
+  // Erases what a device forgot (`what`: kForgetThing or kForgetSpot) some time after this has
+  // returned; where that fails, the device hears it by Device::was_not_erased().
+  virtual void erase_forgotten(const service::Identity& who, const std::string& name,
+                               service::Question what) = 0;
   // The people in a picture of this device's; fails where nothing at hand knows people.
   [[nodiscard]] virtual Expected<std::vector<guide::SeenPerson>> people_in(
       const FrameImages& images, const std::optional<geometry::PinholeCamera>& camera) const = 0;
@@ -111,6 +115,8 @@ class Device : public std::enable_shared_from_this<Device> {
   void send(const service::HomeMessage& message);
   // Whether what it taught is looked for, or why it is not known.
   void was_taught(const std::string& name, const Expected<bool>& taught);
+  // It is known no more, and its bytes are still there: they are erased later.
+  void was_not_erased(const std::string& name, service::Question what, const Error& why);
   // To a helper who begins to watch: what its person lets helpers see, who is told first.
   void show_walk_to(Device& helper);
   // The device came by another connection, whose answer counts.

@@ -20,6 +20,7 @@
 namespace roomwise::live {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -102,6 +103,10 @@ class Host final : public DeviceHost {
     if (name == "my chair") return {};
     return fail_with(ErrorCode::kRefused, "not marked by this device");
   }
+  void erase_forgotten(const service::Identity&, const std::string& name,
+                       service::Question) override {
+    erased.push_back(name);
+  }
   void sets_out(const service::Identity&, const Eigen::Vector3d&) override {}
   [[nodiscard]] std::vector<service::Identity> watchers(const service::Identity&) const override {
     return watching;
@@ -126,6 +131,7 @@ class Host final : public DeviceHost {
   std::vector<service::DeviceSeen> shown_less;
 
   std::vector<std::string> marked;
+  std::vector<std::string> erased;
   std::vector<std::pair<std::string, std::size_t>> taught;
   std::shared_ptr<WalkRecorder> recorder;
   std::shared_ptr<HomeView> home = std::make_shared<HomeView>();
@@ -396,6 +402,21 @@ TEST_F(DeviceTest, WhatItTaughtIsForgottenByAWordAndNothingElse) {
   EXPECT_EQ(prompts[0].text, "My mug is forgotten.");
   EXPECT_EQ(prompts[1].message_id, "own.shared");
   EXPECT_EQ(prompts[2].message_id, "own.not_own");
+  EXPECT_THAT(host.erased, ElementsAre("my mug"));
+}
+
+TEST_F(DeviceTest, ThatWhatWasForgottenIsNotErasedYetIsSaid) {
+  say(hello());
+  wire->texts.clear();
+  device->was_not_erased("my mug", service::Question::kForgetThing, Error{"the disk is full"});
+  device->was_not_erased("", service::Question::kForgetSpot, Error{"the disk is full"});
+  const auto prompts = wire->take<service::PromptMessage>();
+  ASSERT_THAT(prompts, SizeIs(2));
+  EXPECT_EQ(prompts[0].text, "My mug is forgotten, but not erased yet.");
+  EXPECT_EQ(prompts[0].replace_key, "teaching") << "in the place of what was answered, if that still waits";
+  EXPECT_EQ(prompts[1].text, "The remembered place is forgotten, but not erased yet.");
+  EXPECT_EQ(prompts[1].replace_key, "spot");
+  EXPECT_EQ(prompts[1].because, "the disk is full");
 }
 
 TEST_F(DeviceTest, OfThingsInSeveralRoomsItAsksWhichOneIsMeant) {
@@ -485,6 +506,7 @@ TEST_F(DeviceTest, WhatItMarkedIsListedRenamedAndForgotten) {
   EXPECT_EQ(answer({4, 0, service::Question::kInWords, "forget my chair"}).message_id,
             "own.forgotten");
   EXPECT_EQ(answer({5, 0, service::Question::kForgetSpot, "my desk"}).message_id, "spot.not_yours");
+  EXPECT_THAT(host.erased, ElementsAre("my chair"));
 }
 
 TEST_F(DeviceTest, WhoIsInThePictureIsAnsweredByWhoLooksAtFrames) {

@@ -81,6 +81,10 @@ class Jobs::Teller final : public Progress {
 };
 
 Jobs::~Jobs() {
+  {
+    const std::scoped_lock lock(mutex_);
+    waiting_.clear();
+  }
   stop();
   if (thread_.joinable()) thread_.join();
 }
@@ -101,27 +105,53 @@ Expected<void> Jobs::start(const std::string& kind, Body body) {
       return fail("the computer is busy ({}); wait until it is done, or stop it", state_->kind);
     }
   }
+  return begin({kind, std::move(body)});
+}
+
+Expected<void> Jobs::start_next(const std::string& kind, Body body) {
+  const std::scoped_lock starting(thread_mutex_);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (running_) {
+      waiting_.push_back({kind, std::move(body)});
+      return {};
+    }
+  }
+  return begin({kind, std::move(body)});
+}
+
+Expected<void> Jobs::begin(Job job) {
   if (thread_.joinable()) thread_.join();
   const std::scoped_lock lock(mutex_);  // its thread says that it runs once it is known to
   try {
-    thread_ = start_thread_([this, kind, body = std::move(body)] { run(kind, body); });
+    thread_ = start_thread_([this, job] { run(job); });
   } catch (const std::system_error& fault) {
     return fail("{} cannot begin: the system gives no thread for it ({}); close other programs",
-                kind, fault.what());
+                job.kind, fault.what());
   }
   running_ = true;
-  stop_ = false;
-  state_ = service::JobState{kind, "running", "", 0, {}, ""};
+  is_begun(job.kind);
   return {};
 }
 
-void Jobs::run(const std::string& kind, const Body& body) {
-  service::JobState state{kind, "running", "", 0, {}, ""};
+void Jobs::is_begun(const std::string& kind) {
+  ++begun_;
+  stop_ = false;
+  state_ = service::JobState{kind, "running", "", 0, {}, ""};
+}
+
+void Jobs::run(Job job) {
+  while (auto next = carry_on(job)) job = *std::move(next);
+}
+
+// Returns what waits.
+std::optional<Jobs::Job> Jobs::carry_on(const Job& job) {
+  service::JobState state{job.kind, "running", "", 0, {}, ""};
   const Clock::time_point began = Clock::now();
-  report_({.kind = kind, .state = state.state});
+  report_({.kind = job.kind, .state = state.state});
   publish(state);
   Teller teller(*this, state);
-  const Expected<JobEnd> end = carry_out(body, teller);
+  const Expected<JobEnd> end = carry_out(job.body, teller);
   const ErrorCode code = end ? ErrorCode::kFailed : end.error().code;
   const bool is_done = end && !end->has_failed;
   state.fraction = is_done ? 1 : 0;
@@ -129,20 +159,35 @@ void Jobs::run(const std::string& kind, const Body& body) {
   state.text = end ? end->text : end.error().message;
   state.message = end ? end->message : message_of(code);
   if (end) state.values = end->values;
-  report_({kind, state.state, state.text, code, seconds_since(began)});
+  report_({job.kind, state.state, state.text, code, seconds_since(began)});
+  std::optional<Job> next;
   {
     const std::scoped_lock lock(mutex_);
     state_ = state;
-    running_ = false;
+    running_ = !waiting_.empty();
+    if (running_) {
+      next = std::move(waiting_.front());
+      waiting_.pop_front();
+      is_begun(next->kind);
+    }
   }
   tell_(state);
   ended_.notify_all();
+  return next;
 }
 
 bool Jobs::stop(std::optional<std::string_view> kind) {
   const std::scoped_lock lock(mutex_);
   if (!running_ || (kind && state_->kind != *kind)) return false;
   stop_ = true;
+  return true;
+}
+
+bool Jobs::stop_and_wait(std::string_view kind) {
+  std::unique_lock lock(mutex_);
+  if (!running_ || state_->kind != kind) return false;
+  stop_ = true;
+  ended_.wait(lock, [this, this_one = begun_] { return !running_ || begun_ != this_one; });
   return true;
 }
 

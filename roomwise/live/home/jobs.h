@@ -2,6 +2,8 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -51,25 +53,38 @@ class Jobs {
       : tell_(std::move(tell)),
         report_(std::move(report)),
         start_thread_(std::move(start_thread)) {}
-  ~Jobs();  // stops the work and waits for it
+  ~Jobs();  // stops the work and waits for it; what has not begun never does
 
   // What is done: gets a place to tell how far it is, which also says when to stop; returns what
   // came of it.
   using Body = std::function<Expected<JobEnd>(Progress&)>;
   // Fails where a job is running already, or no thread can be had for it: then it never ran.
   [[nodiscard]] Expected<void> start(const std::string& kind, Body body);
+  // The same once nothing else runs: at once, or after what runs and waits by now. Never waits.
+  [[nodiscard]] Expected<void> start_next(const std::string& kind, Body body);
   // Asks the running job to stop, of that kind if one is given. False where none such is running.
   bool stop(std::optional<std::string_view> kind = {});
-  // Returns when no job is running.
+  // The same, and returns when that one has ended; another that waited may run then.
+  bool stop_and_wait(std::string_view kind);
+  // Returns when no job is running, and none waits.
   void wait();
-  [[nodiscard]] bool running() const;
+  [[nodiscard]] bool running() const;  // or waits
   // Of the newest job; nothing where there was none.
   [[nodiscard]] std::optional<service::JobState> state() const;
 
  private:
   class Teller;
+  struct Job {
+    std::string kind;
+    Body body;
+  };
   void publish(const service::JobState& state);
-  void run(const std::string& kind, const Body& body);  // on its thread
+  // With thread_mutex_ held.
+  [[nodiscard]] Expected<void> begin(Job job);
+  // With mutex_ held.
+  void is_begun(const std::string& kind);
+  void run(Job job);  // on its thread, and then those that wait
+  [[nodiscard]] std::optional<Job> carry_on(const Job& job);
 
   std::function<void(const service::JobState&)> tell_;
   std::function<void(const JobNews&)> report_;
@@ -79,6 +94,8 @@ class Jobs {
   std::condition_variable ended_;
   std::optional<service::JobState> state_;
   bool running_ = false;
+  std::uint64_t begun_ = 0;
+  std::deque<Job> waiting_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

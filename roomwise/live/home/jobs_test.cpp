@@ -11,6 +11,7 @@
 namespace roomwise::live {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 struct Told {
@@ -63,6 +64,62 @@ TEST(Jobs, OneAtATime) {
   go.set_value();
   jobs.wait();
   EXPECT_OK(jobs.start("map", [](Progress&) -> Expected<JobEnd> { return JobEnd{}; }));
+}
+
+TEST(Jobs, WhatIsToFollowBeginsWhenNothingElseRuns) {
+  std::vector<std::string> done;  // on the jobs' one thread
+  std::promise<void> go;
+  const auto note = [&](const char* what) {
+    return [&done, what](Progress& progress) -> Expected<JobEnd> {
+      EXPECT_FALSE(progress.interrupted()) << what << " is not what was stopped";
+      done.emplace_back(what);
+      return JobEnd{};
+    };
+  };
+  Told told;
+  {
+    Jobs jobs(std::ref(told));
+    ASSERT_OK(jobs.start_next("prepare", [&](Progress& progress) -> Expected<JobEnd> {
+      while (!progress.interrupted()) std::this_thread::yield();
+      return fail_with(ErrorCode::kInterrupted, "stopped");
+    }));
+    ASSERT_OK(jobs.start_next("erase", [&](Progress& progress) {
+      go.get_future().wait();
+      return note("erase")(progress);
+    }));
+    ASSERT_OK(jobs.start_next("teach", note("teach")));
+    EXPECT_FALSE(jobs.stop_and_wait("erase")) << "it has not begun";
+    EXPECT_TRUE(jobs.stop_and_wait("prepare"));
+    EXPECT_ERROR(jobs.start("map", note("map")), "busy (erase)");
+    go.set_value();
+    jobs.wait();
+    EXPECT_FALSE(jobs.running());
+    EXPECT_EQ(jobs.state()->kind, "teach");
+    EXPECT_OK(jobs.start("map", note("map")));
+    jobs.wait();
+  }
+  EXPECT_THAT(done, ElementsAre("erase", "teach", "map"));
+  std::vector<std::string> ended;
+  for (const auto& state : told.states) {
+    if (state.state != "running") ended.push_back(state.kind + " " + state.state);
+  }
+  EXPECT_THAT(ended, ElementsAre("prepare stopped", "erase done", "teach done", "map done"));
+}
+
+TEST(Jobs, WhatHasNotBegunNeverDoesWhereAllEnds) {
+  bool has_begun = false;
+  {
+    Jobs jobs([](const service::JobState&) {});
+    ASSERT_OK(jobs.start("map", [&](Progress& progress) -> Expected<JobEnd> {
+      while (!progress.interrupted()) std::this_thread::yield();
+      return JobEnd{};
+    }));
+    ASSERT_OK(jobs.start_next("erase", [&](Progress&) -> Expected<JobEnd> {
+      has_begun = true;
+      return JobEnd{};
+    }));
+  }
+  EXPECT_FALSE(has_begun);
 }
 
 TEST(Jobs, WhereNoThreadCanBeHadNoneIsRunningAndTheNextMayBegin) {

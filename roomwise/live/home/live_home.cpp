@@ -363,7 +363,8 @@ Expected<void> LiveHome::refresh(std::shared_ptr<const LiveMap> map) {
   return {};
 }
 
-Expected<void> LiveHome::change(const std::function<Expected<void>(home::Home&)>& change) {
+Expected<void> LiveHome::change(const std::function<Expected<void>(home::Home&)>& change,
+                                Owed owed) {
   const std::scoped_lock one_by_one(changes_mutex_);
   const std::unique_lock lock(home_mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return fail("the computer is busy; wait until it is done, or stop it");
@@ -371,7 +372,7 @@ Expected<void> LiveHome::change(const std::function<Expected<void>(home::Home&)>
   const Expected<void> changed = watched("a change", change(home_));
   settle_photos();
   ROOMWISE_RETURN_IF_ERROR(changed);
-  make_up_for_erasing(home_);
+  if (owed == Owed::kErasedNow) make_up_for_erasing(home_);
   return refresh(view()->map);
 }
 

@@ -117,7 +117,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<std::shared_ptr<const pipeline::RoomCoverage>> coverage();
 
   // ---- changing; each fails while a job writes the home, forgetting while any is at work, but
-  // for the job "prepare", which stops for it ----
+  // for the job "prepare", which stops for it. What a device forgets waits for neither: its bytes
+  // are erased by a job of their own ("erase") ----
   // `by`: the name of who changes it. Each of these is kept as a row of its own
   // (pipeline/stored/stored_edits.h), which outlives later walks and can be undone.
   [[nodiscard]] Expected<void> name_rooms(home::RecordingId walk,
@@ -196,6 +197,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<void> change_own_thing(const service::Identity& who,
                                                 const std::string& name,
                                                 service::Question what) override;
+  void erase_forgotten(const service::Identity& who, const std::string& name,
+                       service::Question what) override;
 
   [[nodiscard]] Expected<void> mark_spot(const service::Identity& who, const std::string& name,
                                          const Eigen::Vector3d& place_plan) override;
@@ -255,17 +258,24 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
     }
     return outcome;
   }
+  // What erasing is owed before a change is done with it, or later: that takes seconds.
+  enum class Owed { kErasedNow, kErasedLater };
   // Runs `change` on the home and shows what came of it.
-  [[nodiscard]] Expected<void> change(const std::function<Expected<void>(home::Home&)>& change);
+  [[nodiscard]] Expected<void> change(const std::function<Expected<void>(home::Home&)>& change,
+                                      Owed owed = Owed::kErasedNow);
   // So that no byte of what was removed is left in the file.
   [[nodiscard]] Expected<void> erase_removed(home::Home& home);
   // The same where it is owed; what fails again is told in the log, and stays owed.
   void make_up_for_erasing(home::Home& home);
+  // The same, as a job.
+  [[nodiscard]] Expected<JobEnd> erase_owed(const Interruption& interruption);
   // Makes the view anew. With home_mutex_ held.
   [[nodiscard]] Expected<void> refresh(std::shared_ptr<const LiveMap> map);
-  [[nodiscard]] Expected<void> start_preparing();
+  // Whether the map is ready, with what helpers look at, or there is none.
+  [[nodiscard]] bool is_prepared() const;
   // Whether the map was being made ready. It can wait; whoever stops it has it gone on with.
   [[nodiscard]] bool stop_preparing();
+  // Where it is not ready: once nothing else is done.
   [[nodiscard]] Expected<void> go_on_preparing();
   // Runs what begins other work; where it fails, the map is made ready as before.
   [[nodiscard]] Expected<void> instead_of_preparing(const std::function<Expected<void>()>& start);
@@ -297,7 +307,9 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // Its two parts: what answers need, and what helpers look at.
   [[nodiscard]] Expected<std::shared_ptr<const LiveMap>> make_map_ready(Progress& progress);
   [[nodiscard]] Expected<JobEnd> fuse_clouds(const LiveMap& ready, Progress& progress);
-  // A job that begins when there is a place for it.
+  // What begins when there is a place for it, and makes the map ready.
+  [[nodiscard]] Jobs::Body with_place(Jobs::Body body, WorkPlaces::Urgency urgency);
+  // A job of that.
   [[nodiscard]] Expected<void> start_work(
       const std::string& kind, Jobs::Body body,
       WorkPlaces::Urgency urgency = WorkPlaces::Urgency::kCanWait);

@@ -123,6 +123,44 @@ void LiveHome::make_up_for_erasing(home::Home& home) {
   }
 }
 
+Expected<JobEnd> LiveHome::erase_owed(const Interruption& interruption) {
+  if (interruption.interrupted()) {
+    return fail_with(ErrorCode::kInterrupted, "stopped; it is done with the next change");
+  }
+  const std::scoped_lock lock(home_mutex_);
+  ROOMWISE_TRY(const bool owes_erasing, home_.owes_erasing());
+  if (owes_erasing) {
+    ROOMWISE_RETURN_IF_ERROR(erase_removed(home_));
+    ROOMWISE_RETURN_IF_ERROR(refresh(view()->map));
+  }
+  return JobEnd{"what was forgotten is erased", "erased"};
+}
+
+void LiveHome::erase_forgotten(const service::Identity& who, const std::string& name,
+                               service::Question what) {
+  const auto tell = [this, who, name, what](const Error& why) {
+    for (const auto& device : all_devices()) {
+      if (device->who().device == who.device && device->is_here()) {
+        device->was_not_erased(name, what, why);
+      }
+    }
+  };
+  const auto begun = jobs_->start_next("erase", [this, tell](Progress& progress) {
+    Expected<JobEnd> erased = erase_owed(progress);
+    if (!erased) tell(erased.error());
+    return erased;
+  });
+  if (!begun) tell(begun.error());
+  // What is left is looked for as before; what was usual was worked out with what is forgotten.
+  if (!begun || what != service::Question::kForgetThing || view()->own_things.empty()) return;
+  const auto look = [this](Progress& progress) -> Expected<JobEnd> {
+    const std::scoped_lock lock(home_mutex_);
+    ROOMWISE_RETURN_IF_ERROR(look_for_own_things(progress).map([](bool) {}));
+    return JobEnd{"what is left is looked for as before", "looked_for"};
+  };
+  static_cast<void>(jobs_->start_next("teach", with_place(look, WorkPlaces::Urgency::kCanWait)));
+}
+
 Expected<void> LiveHome::erase_removed(home::Home& home) {
   coverage_stops_ = true;
   const std::scoped_lock lock(reader_mutex_, coverage_mutex_);
@@ -134,10 +172,11 @@ Expected<void> LiveHome::erase_removed(home::Home& home) {
 }
 
 Expected<void> LiveHome::while_idle(const std::function<Expected<void>()>& forget) {
-  static_cast<void>(stop_preparing());
+  const bool was_preparing = stop_preparing();
   Expected<void> forgotten = check_idle();
   if (forgotten) forgotten = forget();
-  Expected<void> prepared = go_on_preparing();
+  Expected<void> prepared;
+  if (was_preparing || !jobs_->running()) prepared = go_on_preparing();
   return forgotten ? prepared : forgotten;
 }
 

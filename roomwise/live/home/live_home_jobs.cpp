@@ -53,28 +53,36 @@ std::optional<JobEnd> why_not_learned(const std::map<std::string, std::size_t>& 
   return end;
 }
 
+JobEnd map_is_ready() {
+  return {"places can be found on the map now", "prepared"};
+}
+
 }  // namespace
+
+Jobs::Body LiveHome::with_place(Jobs::Body body, WorkPlaces::Urgency urgency) {
+  return [this, body = std::move(body), urgency](Progress& progress) -> Expected<JobEnd> {
+    ROOMWISE_TRY(const auto place, options_.work_places->take(urgency, progress));
+    return with_map_ready(body(progress), progress);
+  };
+}
 
 Expected<void> LiveHome::start_work(const std::string& kind, Jobs::Body body,
                                     WorkPlaces::Urgency urgency) {
-  return jobs_->start(
-      kind, [this, body = std::move(body), urgency](Progress& progress) -> Expected<JobEnd> {
-        ROOMWISE_TRY(const auto place, options_.work_places->take(urgency, progress));
-        return with_map_ready(body(progress), progress);
-      });
+  return jobs_->start(kind, with_place(std::move(body), urgency));
 }
 
 Expected<JobEnd> LiveHome::with_map_ready(Expected<JobEnd> ended, Progress& progress) {
   const bool is_stopped = !ended && ended.error().code == ErrorCode::kInterrupted;
-  const auto now = view();
-  if (is_stopped || now->walks.empty() || (now->map && now->map->clouds)) return ended;
+  if (is_stopped || is_prepared()) return ended;
   auto prepared = prepare(progress);
   const bool is_well = ended && !ended->has_failed;
   return is_well && !prepared ? prepared : ended;
 }
 
-Expected<void> LiveHome::start_preparing() {
-  return jobs_->start("prepare", [this](Progress& progress) -> Expected<JobEnd> {
+Expected<void> LiveHome::go_on_preparing() {
+  if (is_prepared()) return {};
+  return jobs_->start_next("prepare", [this](Progress& progress) -> Expected<JobEnd> {
+    if (is_prepared()) return map_is_ready();  // by what was done before
     // Questions come first: what helpers look at is fused while they are answered.
     const auto ready = [&]() -> Expected<std::shared_ptr<const LiveMap>> {
       ROOMWISE_TRY(const auto place,
@@ -88,16 +96,13 @@ Expected<void> LiveHome::start_preparing() {
   });
 }
 
-bool LiveHome::stop_preparing() {
-  if (!jobs_->stop("prepare")) return false;
-  jobs_->wait();
-  return true;
+bool LiveHome::is_prepared() const {
+  const auto now = view();
+  return now->walks.empty() || (now->map && now->map->clouds);
 }
 
-Expected<void> LiveHome::go_on_preparing() {
-  const auto now = view();
-  if ((now->map && now->map->clouds) || now->walks.empty() || jobs_->running()) return {};
-  return start_preparing();
+bool LiveHome::stop_preparing() {
+  return jobs_->stop_and_wait("prepare");
 }
 
 Expected<void> LiveHome::instead_of_preparing(const std::function<Expected<void>()>& start) {
@@ -141,7 +146,7 @@ Expected<JobEnd> LiveHome::fuse_clouds(const LiveMap& ready, Progress& progress)
   if (!is_looked_for) {
     ROOMWISE_RETURN_IF_ERROR(look_for_own_things(progress).map([](bool) {}));
   }
-  return JobEnd{"places can be found on the map now", "prepared"};
+  return map_is_ready();
 }
 
 Expected<void> LiveHome::learn() {

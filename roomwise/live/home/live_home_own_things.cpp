@@ -155,11 +155,6 @@ Expected<std::shared_ptr<const pipeline::OwnThingWatch>> LiveHome::own_thing_wat
 
 Expected<void> LiveHome::teach(const std::shared_ptr<Device>& device, const std::string& name,
                                bool is_private, std::vector<objects::ShownThing> shown) {
-  {
-    const std::scoped_lock lock(reader_mutex_);
-    ROOMWISE_RETURN_IF_ERROR(pipeline::check_own_thing_name(reader_, name));
-    ROOMWISE_RETURN_IF_ERROR(reader_.check_new_name(name));
-  }
   const home::OwnThing thing{.name = name,
                              .owner = owner_of(device->who()),
                              .is_shared = !is_private,
@@ -178,8 +173,15 @@ Expected<void> LiveHome::teach(const std::shared_ptr<Device>& device, const std:
                                     "taught_for_later"};
     });
   };
-  return instead_of_preparing(
-      [&] { return start_work("teach", learn_it, WorkPlaces::Urgency::kAnswersWait); });
+  return instead_of_preparing([&]() -> Expected<void> {
+    {
+      const std::unique_lock lock(home_mutex_, std::try_to_lock);
+      if (!lock.owns_lock()) return fail("the computer is busy; wait until it is done");
+      ROOMWISE_RETURN_IF_ERROR(pipeline::check_own_thing_name(home_, name));
+      ROOMWISE_RETURN_IF_ERROR(home_.check_new_name(name));
+    }
+    return start_work("teach", learn_it, WorkPlaces::Urgency::kAnswersWait);
+  });
 }
 
 Expected<bool> LiveHome::teach_now(const home::OwnThing& thing,
@@ -225,21 +227,9 @@ Expected<void> LiveHome::change_own_thing(const service::Identity& who, const st
       const std::scoped_lock lock(view_mutex_);
       own_sightings_.erase(thing->id);
     }
-    // Whatever becomes of its bytes it is known no more, and that is what was asked.
-    if (const auto erased = erase_removed(home); !erased) {
-      meters_.failed("erasing a thing", erased.error());
-    }
     return {};
   };
-  if (what != service::Question::kForgetThing) return change(change_it);
-  ROOMWISE_RETURN_IF_ERROR(while_idle([&] { return change(change_it); }));
-  // The others are looked for as before; what was usual was worked out with it.
-  if (view()->own_things.empty() || jobs_->running()) return {};
-  return start_work("teach", [this](Progress& progress) -> Expected<JobEnd> {
-    const std::scoped_lock lock(home_mutex_);
-    ROOMWISE_RETURN_IF_ERROR(look_for_own_things(progress).map([](bool) {}));
-    return JobEnd{"what is left is looked for as before", "looked_for"};
-  });
+  return change(change_it, Owed::kErasedLater);
 }
 
 }  // namespace roomwise::live

@@ -69,6 +69,7 @@ Expected<void> LiveHome::change_spots(const std::function<Expected<void>(home::H
   ROOMWISE_RETURN_IF_ERROR(watched("a change", change(home_)));
   auto changed = std::make_shared<HomeView>(*view());
   ROOMWISE_RETURN_IF_ERROR(view_spots(home_, *changed));
+  ROOMWISE_TRY(changed->owes_erasing, home_.owes_erasing());
   {
     const std::scoped_lock view_lock(view_mutex_);
     views_of_devices_.clear();
@@ -96,12 +97,7 @@ Expected<void> LiveHome::change_spot(const service::Identity& who, const std::st
       return fail_with(ErrorCode::kRefused, "'{}' was not marked by this device", name);
     }
     if (new_name) return pipeline::rename_spot(home, spot->id, *new_name);
-    ROOMWISE_RETURN_IF_ERROR(pipeline::forget_spot(home, spot->id));
-    // Whatever becomes of its bytes it is known no more, and that is what was asked.
-    if (const auto erased = erase_removed(home); !erased) {
-      meters_.failed("erasing a spot", erased.error());
-    }
-    return {};
+    return pipeline::forget_spot(home, spot->id);
   });
 }
 

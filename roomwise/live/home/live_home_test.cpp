@@ -1422,7 +1422,57 @@ TEST_F(Teaching, AThingIsTaughtToldToItsOwnerAloneSharedAndForgotten) {
   EXPECT_THAT(bytes_of_home(), HasSubstr("my mug"));
   EXPECT_EQ(ask(anna, service::Question::kInWords, "forget my mug").message_id, "own.forgotten");
   EXPECT_EQ(where(anna), "where.unknown");
+  home->jobs().wait();
+  EXPECT_EQ(home->jobs().state()->message, "erased");
   EXPECT_THAT(bytes_of_home(), Not(HasSubstr("my mug")));
+}
+
+TEST_F(Teaching, NobodyWaitsWhileWhatTheyForgotIsErased) {
+  open();
+  const Client anna = connect(7, service::Role::kDevice);
+  for (const char* name : {"my mug", "my bag"}) {
+    teach(anna, name);
+    anna.wire->next<service::PromptMessage>(is_message("teach.no_walk"));
+    home->jobs().wait();
+  }
+  std::promise<void> go;
+  on_log = [&](std::string_view line) {
+    if (line.starts_with("job erase: begun")) go.get_future().wait();
+  };
+  EXPECT_EQ(ask(anna, service::Question::kForgetThing, "my mug").message_id, "own.forgotten");
+  EXPECT_TRUE(home->view()->owes_erasing);
+  EXPECT_EQ(ask(anna, service::Question::kInWords, "where is my mug").message_id, "where.unknown");
+  EXPECT_EQ(ask(anna, service::Question::kShareThing, "my bag").message_id, "own.shared");
+  EXPECT_TRUE(home->view()->owes_erasing) << "nor while they change something else";
+  go.set_value();
+  home->jobs().wait();
+  EXPECT_FALSE(home->view()->owes_erasing);
+  EXPECT_THAT(bytes_of_home(), Not(HasSubstr("my mug")));
+  EXPECT_EQ(home->jobs().state()->message, "looked_for") << "what is left";
+  home.reset();
+}
+
+TEST_F(Teaching, ThatWhatTheyForgotIsNotErasedIsToldToTheDeviceThatAsked) {
+  open();
+  const Client anna = connect(7, service::Role::kDevice), ben = connect(8, service::Role::kDevice);
+  teach(anna, "my mug");
+  anna.wire->next<service::PromptMessage>(is_message("teach.no_walk"));
+  home->jobs().wait();
+  {
+    home::Home other = home::Home::open_read_only(file).value();
+    home::Statement reading = other.database().prepare("SELECT name FROM own_things").value();
+    ASSERT_TRUE(reading.step().value());
+    EXPECT_EQ(ask(anna, service::Question::kForgetThing, "my mug").message_id, "own.forgotten");
+    const auto told = anna.wire->next<service::PromptMessage>(is_message("own.not_erased"));
+    EXPECT_THAT(told.because, HasSubstr("another program reads the home"));
+    home->jobs().wait();
+  }
+  EXPECT_EQ(home->jobs().state()->kind, "erase");
+  EXPECT_EQ(home->jobs().state()->state, "failed");
+  EXPECT_TRUE(home->view()->owes_erasing);
+  EXPECT_EQ(ben.wire->count<service::PromptMessage>(is_message("own.not_erased")), 0);
+  home.reset();
+  EXPECT_THAT(bytes_of_home(), Not(HasSubstr("my mug"))) << "tried again";
 }
 
 TEST_F(Teaching, AThingIsKnownAlsoWhereLookingForItIsStopped) {
@@ -1461,6 +1511,7 @@ TEST_F(Teaching, ThingsAreLookedForThoughAPictureOfTheMapCannotBeReadAgain) {
   EXPECT_TRUE(home->view()->own_thing_watch);
   EXPECT_EQ(ask(anna, service::Question::kForgetThing, "my bag").message_id, "own.forgotten");
   home->jobs().wait();
+  EXPECT_EQ(home->jobs().state()->message, "looked_for");
   EXPECT_TRUE(home->view()->own_thing_watch);
 }
 
@@ -1515,6 +1566,8 @@ TEST_F(LiveHomeTest, APlaceIsMarkedLedToToldToItsOwnerAloneAndForgotten) {
   const Client anew = connect(7, service::Role::kDevice);
   EXPECT_EQ(ask(anew, "forget my throne").message_id, "own.forgotten");
   EXPECT_EQ(ask(anew, "where is my throne").message_id, "where.unknown");
+  home->jobs().wait();
+  EXPECT_EQ(home->jobs().state()->kind, "erase");
   EXPECT_THAT(bytes_of_home(), Not(HasSubstr("my throne")));
 }
 

@@ -51,7 +51,7 @@ function spaceView(helper: Helper): HTMLElement {
   let pictured: number | null = null; // the key-frame that it shows
   const buttons = h('div', { class: 'row tight', role: 'group', 'aria-label': text('space.controls') });
   const element = h('section', { class: 'space', 'aria-label': text('space.heading') },
-    stage, note, jobView(helper, 'map', 'prepare', 'teach'), buttons, picture);
+    stage, note, jobView(helper, 'map', 'prepare', 'teach', 'erase'), buttons, picture);
   void load();
   return element;
 

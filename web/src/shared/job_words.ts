@@ -8,6 +8,7 @@ const kEnds: Record<string, TextKey> = {
   no_network: 'job.end.no_network', file_unknown: 'job.end.file_unknown', no_recording: 'job.end.no_recording',
   several_recordings: 'job.end.several_recordings', file_damaged: 'job.end.file_damaged', file_unsafe: 'job.end.file_unsafe',
   taught: 'job.end.taught', taught_for_later: 'job.end.taught_for_later', looked_for: 'job.end.looked_for', name_is_none: 'job.end.name_is_none',
+  erased: 'job.end.erased',
   disk_full: 'job.end.disk_full', damaged: 'job.end.damaged',
 };
 

@@ -88,7 +88,7 @@ export interface NotRecorded extends Omit<RecordingState, 'state'> {
   state: 'none';
 }
 
-export type JobKind = 'prepare' | 'map' | 'learn' | 'teach';
+export type JobKind = 'prepare' | 'map' | 'learn' | 'teach' | 'erase';
 export type JobState = 'running' | 'done' | 'failed' | 'stopped';
 
 export interface Job {
@@ -297,7 +297,7 @@ export interface Recording {
 export interface ToErase {
   walks: { id: number; name: string; edit: number }[]; // `edit`: that it was taken away, to be undone
   rooms: { name: string; edit: number }[];
-  owed: boolean; // more was forgotten, and could not be erased
+  owed: boolean; // more was forgotten, and is not erased yet
 }
 
 // What a walk found other than the walks before it.
