@@ -249,7 +249,11 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   const home::Recording recording{source->info().name, options.recording.string(),
                                   source->info().camera, source->info().frames_remaining};
   recording::DamageTolerantSource frames(*source, options.skip_damaged);
-  auto mapped = pipeline::map_recording(frames, recording, home, networks, settings, run, finders);
+  const auto name_rooms = [&]() -> Expected<void> {
+    return labels ? pipeline::name_rooms_if_unnamed(home, *labels) : Expected<void>();
+  };
+  auto mapped = pipeline::map_recording(frames, recording, home, networks, settings, run, finders,
+                                        name_rooms);
   if (!mapped) {
     Error why = std::move(mapped).error();
     if (frames.is_stopped() || run.lost->is_stopped()) why.message += kNamingSkipDamaged;
@@ -264,7 +268,6 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
         "--resume",
         summary.frames, summary.keyframes, shell_word(options.recording), shell_word(options.home));
   }
-  if (labels) ROOMWISE_RETURN_IF_ERROR(pipeline::name_rooms_if_unnamed(home, *labels));
   if (!options.trajectory.empty()) {
     ROOMWISE_TRY(const auto recordings, home.recordings());
     ROOMWISE_TRY(const recording::Trajectory trajectory,

@@ -66,8 +66,9 @@ Expected<MapReport> map_into(home::Home& home, recording::Recording& source,
   const home::Recording recording{source.info().name, request.recording.string(),
                                   source.info().camera, source.info().frames_remaining};
   recording::DamageTolerantSource frames(source, request.skip_damaged);
-  auto mapped = pipeline::map_recording(frames, recording, home, networks,
-                                        stored.value_or(request.settings), run, finders);
+  auto mapped = pipeline::map_recording(
+      frames, recording, home, networks, stored.value_or(request.settings), run, finders,
+      [&] { return name_rooms_of_recording(request.recording, home); });
   if (!mapped && (frames.is_stopped() || run.lost->is_stopped())) {
     mapped.error().message += "; give skip_damaged=True to go on without it";
   }
@@ -77,7 +78,6 @@ Expected<MapReport> map_into(home::Home& home, recording::Recording& source,
                      "interrupted after {} frames, {} key-frames; go on with resume=True",
                      summary.frames, summary.keyframes);
   }
-  ROOMWISE_RETURN_IF_ERROR(name_rooms_of_recording(request.recording, home));
   MapReport report{std::move(summary), frames.damage()};
   for (const auto& [id, why] : run.lost->all()) report.damaged.push_back(why);
   return report;

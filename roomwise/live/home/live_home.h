@@ -290,7 +290,6 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   void settle_photos();
   // What could be undone until now. With home_mutex_ held.
   [[nodiscard]] Expected<void> forget_removed();
-  [[nodiscard]] Expected<void> start_mapping(const std::filesystem::path& folder);
   // All that waits to be mapped, one walk after the other; one that cannot be keeps back no other.
   [[nodiscard]] Expected<void> start_mapping_what_waits();
   [[nodiscard]] Expected<JobEnd> map_folder(const std::filesystem::path& folder,
@@ -367,6 +366,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   mutable std::mutex devices_mutex_;
   std::set<std::shared_ptr<Device>> devices_;
   std::shared_ptr<WalkRecorder> recorder_;
+  std::shared_ptr<const WalkRecorder> growing_;          // what a job maps while it is recorded
   std::vector<std::shared_ptr<WalkRecorder>> unclosed_;  // closing failed: tried again at the end
   std::int64_t recording_device_ = 0;
   std::mutex telling_mutex_;  // what is told of the recording, its end last

@@ -5,6 +5,7 @@
 #include "roomwise/pipeline/mapping/home_floor.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/pipeline/rooms/walk_into_home.h"
 #include "roomwise/recording/damage_tolerant_source.h"
 #include "roomwise/recording/open_recording.h"
 
@@ -247,10 +248,12 @@ Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string&
 Expected<void> LiveHome::end_recording() {
   std::shared_ptr<WalkRecorder> recorder;
   std::int64_t recorded = 0;  // the device
+  bool is_being_mapped = false;
   {
     const std::scoped_lock lock(devices_mutex_);
     recorder = std::exchange(recorder_, nullptr);
     recorded = recording_device_;  // from here on another may be recorded
+    is_being_mapped = growing_ != nullptr && growing_ == recorder;
   }
   if (!recorder) return fail("nothing is being recorded");
   for (const auto& device : all_devices()) {
@@ -268,13 +271,12 @@ Expected<void> LiveHome::end_recording() {
                                                         closed ? "" : closed.error().message});
   }
   ROOMWISE_RETURN_IF_ERROR(closed);
-  const bool is_being_mapped = jobs_->running() && jobs_->state()->kind == "map";
-  return is_being_mapped ? Expected<void>() : start_mapping(recorder->folder());
-}
-
-Expected<void> LiveHome::start_mapping(const fs::path& folder) {
-  return start_work("map",
-                    [this, folder](Progress& progress) { return map_folder(folder, progress); });
+  if (is_being_mapped) return {};
+  const auto map = [this, folder = recorder->folder()](Progress& progress) {
+    return map_folder(folder, progress);
+  };
+  return instead_of_preparing(
+      [&] { return jobs_->start_next("map", with_place(map, WorkPlaces::Urgency::kCanWait)); });
 }
 
 Expected<void> LiveHome::start_mapping_what_waits() {
@@ -307,10 +309,21 @@ Expected<JobEnd> LiveHome::map_folder(const fs::path& folder, Progress& progress
 
 // Takes no place: it waits for frames as long as somebody walks.
 Expected<void> LiveHome::start_mapping(std::shared_ptr<const WalkRecorder> walk) {
-  return jobs_->start("map", [this, walk](Progress& progress) -> Expected<JobEnd> {
-    ROOMWISE_TRY(const auto frames, WalkFrames::open(walk, progress));
-    return with_map_ready(map(walk->folder(), *frames, progress), progress);
+  const auto grows = [this](std::shared_ptr<const WalkRecorder> one) {
+    const std::scoped_lock lock(devices_mutex_);
+    growing_ = std::move(one);
+  };
+  grows(walk);
+  Expected<void> started = jobs_->start("map", [this, walk, grows](Progress& progress) {
+    Expected<JobEnd> mapped = [&]() -> Expected<JobEnd> {
+      ROOMWISE_TRY(const auto frames, WalkFrames::open(walk, progress));
+      return map(walk->folder(), *frames, progress);
+    }();
+    grows(nullptr);  // where that failed, it is mapped anew at its end
+    return with_map_ready(std::move(mapped), progress);
   });
+  if (!started) grows(nullptr);
+  return started;
 }
 
 void LiveHome::begin_lost_pictures() {
@@ -333,6 +346,7 @@ Expected<JobEnd> LiveHome::map(const fs::path& folder, recording::FrameSource& w
   recording::DamageTolerantSource frames(walk, true);
   begin_lost_pictures();
   pipeline::MapSummary summary;
+  Expected<void> names_read;
   {
     const std::scoped_lock lock(home_mutex_);
     pipeline::OwnRunContext run(options_.threads, progress);
@@ -342,8 +356,15 @@ Expected<JobEnd> LiveHome::map(const fs::path& folder, recording::FrameSource& w
     if (!stored) settings.mapper.seed = options_.seed;
     const home::Recording recording{walk.info().name, folder.string(), walk.info().camera,
                                     walk.info().frames_remaining};
-    auto mapped =
-        pipeline::map_recording(frames, recording, home_, networks_, settings, run, finders_);
+    const auto name_rooms = [&]() -> Expected<void> {
+      if (!fs::exists(folder / "rooms.txt")) return {};
+      const auto labels = recording::RoomLabels::read(folder / "rooms.txt");
+      if (labels) return pipeline::name_rooms_if_unnamed(home_, *labels);
+      names_read = Unexpected(labels.error());  // the walk is in the home all the same
+      return {};
+    };
+    auto mapped = pipeline::map_recording(frames, recording, home_, networks_, settings, run,
+                                          finders_, name_rooms);
     if (!mapped || !mapped->finished)
       ROOMWISE_RETURN_IF_ERROR(refresh(nullptr));  // it may be forgotten
     ROOMWISE_TRY(summary, std::move(mapped));
@@ -352,14 +373,10 @@ Expected<JobEnd> LiveHome::map(const fs::path& folder, recording::FrameSource& w
       return fail_with(ErrorCode::kInterrupted,
                        "stopped; it goes on when the computer starts again");
     }
-    if (fs::exists(folder / "rooms.txt")) {
-      ROOMWISE_TRY(const auto labels, recording::RoomLabels::read(folder / "rooms.txt"));
-      ROOMWISE_TRY(const auto recordings, home_.recordings());
-      ROOMWISE_RETURN_IF_ERROR(pipeline::name_rooms(home_, recordings.back().id, labels));
-    }
     ROOMWISE_RETURN_IF_ERROR(refresh(nullptr));
   }
   ROOMWISE_RETURN_IF_ERROR(prepare(progress));
+  ROOMWISE_RETURN_IF_ERROR(names_read);
   JobEnd end{fmt::format("{} of {} pictures have a place on the map; {} things found",
                          summary.placed, summary.frames, summary.instances),
              "mapped",

@@ -816,6 +816,69 @@ TEST_F(LiveHomeTest, AMapThatWasStoppedWhileItIsRecordedIsGoneOnWith) {
   EXPECT_ERROR(home->go_on_mapping(), "no walk waits");
 }
 
+TEST_F(LiveHomeTest, AWalkWhoseMappingFailsWhileItIsRecordedIsMappedAtItsEnd) {
+  open();
+  const auto camera = folder / "flat.home.walks/walk/camera.txt";
+  const auto aside = folder / "camera.txt";
+  std::promise<void> failed, has_ended;
+  std::atomic<bool> has_begun = false;
+  on_log = [&](std::string_view line) {
+    if (line.starts_with("job map: begun") && !has_begun.exchange(true)) {
+      std::filesystem::rename(camera, aside);
+    }
+    if (!line.starts_with("job map: failed")) return;
+    std::filesystem::rename(aside, camera);
+    failed.set_value();
+    has_ended.get_future().wait();
+  };
+  const Client belt = connect(7, service::Role::kDevice);
+  ASSERT_OK(home->begin_recording(7, "walk"));
+  failed.get_future().wait();
+  while (auto frame = walk.next().value()) belt.session->on_message(message_of(*frame));
+  EXPECT_OK(home->end_recording()) << "the job is not over yet";
+  has_ended.set_value();
+  home->jobs().wait();
+  EXPECT_EQ(home->jobs().state()->message, "mapped") << home->jobs().state()->text;
+  EXPECT_THAT(home->view()->walks, SizeIs(1));
+  belt.session->on_closed();
+  home.reset();
+}
+
+TEST_F(LiveHomeTest, NamesOfRoomsThatCannotBeReadCostNoWalk) {
+  open();
+  const Client belt = connect(7, service::Role::kDevice);
+  ASSERT_OK(home->begin_recording(7, "walk"));
+  ASSERT_OK(write_file(folder / "flat.home.walks/walk/rooms.txt", std::string_view("nonsense")));
+  while (auto frame = walk.next().value()) belt.session->on_message(message_of(*frame));
+  ASSERT_OK(home->end_recording());
+  home->jobs().wait();
+  EXPECT_EQ(home->jobs().state()->state, "failed");
+  EXPECT_THAT(home->jobs().state()->text, HasSubstr("rooms.txt"));
+  ASSERT_THAT(home->view()->walks, SizeIs(1));
+  EXPECT_TRUE(home->view()->walks[0].stored.finished);
+  EXPECT_TRUE(home->view()->map);
+  belt.session->on_closed();
+}
+
+TEST_F(LiveHomeTest, WhatPeopleNamedBeforeAWalkWasMappedToItsEndStays) {
+  open();
+  const Client page = connect(1, service::Role::kHelper);
+  const Client belt = connect(7, service::Role::kDevice);
+  ASSERT_OK(home->begin_recording(7, "walk"));
+  belt.session->on_text(
+      write(service::DeviceMessage(service::Ask{1, 0, service::Question::kNameRoom, "kitchen"})));
+  for (int i = 0; i < kFrames - 5; ++i) belt.session->on_message(message_of(**walk.next()));
+  page.wire->next<service::JobState>([](const service::JobState& job) {
+    return job.stage == "mapping" && job.text.find("key-frames") != std::string::npos;
+  });
+  ASSERT_TRUE(home->jobs().stop());
+  home->jobs().wait();
+  ASSERT_OK(home->name_rooms(1, {{0, 9, "parlour", 1}}));
+  record_the_rest(belt);
+  ASSERT_THAT(home->view()->walks[0].labels.ranges(), SizeIs(1));
+  EXPECT_EQ(home->view()->walks[0].labels.ranges()[0].room, "parlour");
+}
+
 // A phone's browser knows how it moved; mapping takes it, though the walk is mapped as it comes.
 TEST_F(LiveHomeTest, WhatADeviceTellsOfItsMotionReachesTheMap) {
   open();

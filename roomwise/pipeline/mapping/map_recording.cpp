@@ -290,7 +290,8 @@ void count_motion(std::span<const scene::Frame> frames, MapSummary& summary) {
 Expected<MapSummary> map_recording(recording::FrameSource& source, const home::Recording& recording,
                                    home::Home& home, const Networks& networks,
                                    const MapSettings& settings, RunContext& run,
-                                   const objects::ObjectFinders& finders) {
+                                   const objects::ObjectFinders& finders,
+                                   const std::function<Expected<void>()>& name_rooms) {
   ROOMWISE_RETURN_IF_ERROR(settings.validate());
   ROOMWISE_TRY(const home::StoredRecording stored, begin_or_resume(home, recording, settings));
   ROOMWISE_RETURN_IF_ERROR(go_to_next_frame(source, home, stored));
@@ -352,7 +353,10 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
     }
     const auto timing = run.clock.measure("floor");
     ROOMWISE_RETURN_IF_ERROR(keep_home_floor(home, run));
-    return home.finish_recording(stored.id);
+    return home.atomically([&]() -> Expected<void> {
+      if (name_rooms) ROOMWISE_RETURN_IF_ERROR(name_rooms());
+      return home.finish_recording(stored.id);
+    });
   };
   if (outcome) outcome = finish();
   if (is_error(outcome)) return Unexpected(std::move(outcome).error());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -52,11 +53,12 @@ struct MapSummary {
 // (culling.h), where the settings say so. The settings must be the home's own, where it has some; a
 // recording that it holds already is an error. Networks and finders may be empty: then nothing is
 // named or learned, or found. On an error of the source (a damaged image) everything before it is
-// in the home.
-[[nodiscard]] Expected<MapSummary> map_recording(recording::FrameSource& source,
-                                                 const home::Recording& recording, home::Home& home,
-                                                 const Networks& networks,
-                                                 const MapSettings& settings, RunContext& run,
-                                                 const objects::ObjectFinders& finders = {});
+// in the home. `name_rooms`, if given, is done in one transaction with what finishes the walk: who
+// is killed finds both or none.
+[[nodiscard]] Expected<MapSummary> map_recording(
+    recording::FrameSource& source, const home::Recording& recording, home::Home& home,
+    const Networks& networks, const MapSettings& settings, RunContext& run,
+    const objects::ObjectFinders& finders = {},
+    const std::function<Expected<void>()>& name_rooms = nullptr);
 
 }  // namespace roomwise::pipeline

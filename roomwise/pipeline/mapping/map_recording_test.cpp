@@ -14,6 +14,7 @@
 #include "roomwise/pipeline/report/home_report.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/rooms/room_recognizer.h"
+#include "roomwise/pipeline/rooms/walk_into_home.h"
 #include "roomwise/pipeline/stored/lost_pictures.h"
 #include "roomwise/pipeline/stored/stored_keyframes.h"
 #include "roomwise/pipeline/stored/stored_map.h"
@@ -63,7 +64,8 @@ class MapRecording : public ::testing::Test {
                    lost_};
     return map_recording(
         walk, {walk.info().name, "made up", walk.info().camera, walk.info().frames_remaining}, home,
-        networks, settings_, run, finders_);
+        networks, settings_, run, finders_,
+        [&] { return name_rooms_ ? name_rooms_(home) : Expected<void>(); });
   }
   void SetUp() override { finders_.in_pictures.push_back(std::make_unique<MiddleFinder>()); }
   static std::string digest(const std::filesystem::path& file) {
@@ -72,6 +74,7 @@ class MapRecording : public ::testing::Test {
 
   roomwise::testing::ScratchFolder folder_;
   objects::ObjectFinders finders_;
+  std::function<Expected<void>(home::Home&)> name_rooms_;
   MapSettings settings_;
   std::size_t working_set_bytes_ = std::size_t{128} << 20U;
   std::shared_ptr<LostPictures> lost_;
@@ -501,6 +504,30 @@ TEST_F(MapRecording, KilledAndResumedEndsAsIfNeverStopped) {
   SyntheticWalk rest(kFrames);
   ASSERT_OK(map(folder_ / "killed.home", rest, 2));
   EXPECT_EQ(digest(folder_ / "killed.home"), digest(folder_ / "whole.home"));
+}
+
+TEST_F(MapRecording, KilledAtItsEndIsNamedByWhoGoesOn) {
+  const auto labels = recording::RoomLabels::from_ranges({{0, kFrames - 1, "hall", 1}}).value();
+  const pid_t child = fork();
+  if (child == 0) {
+    name_rooms_ = [&](home::Home& home) {
+      (void)name_rooms_if_unnamed(home, labels);
+      std::raise(SIGKILL);
+      return Expected<void>();
+    };
+    SyntheticWalk walk(kFrames);
+    (void)map(folder_ / "a.home", walk, 2);
+    _exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  name_rooms_ = [&](home::Home& home) { return name_rooms_if_unnamed(home, labels); };
+  SyntheticWalk again(kFrames);
+  ASSERT_OK(map(folder_ / "a.home", again, 2));
+  const auto home = home::Home::open_read_only(folder_ / "a.home");
+  EXPECT_TRUE(home->recordings()->back().finished);
+  EXPECT_EQ(home->room_ranges(1)->ranges(), labels.ranges());
 }
 
 TEST_F(MapRecording, KeepsWhatCameBeforeADamagedFrame) {
