@@ -101,9 +101,11 @@ class FloorGapFinder {
 
   [[nodiscard]] bool is_seen_from_near(Cell cell, const std::string& room) const {
     const Eigen::Vector2d middle = grid_.cell_middle_m(cell.column, cell.row);
+    const fusion::Storeys& storeys = home_.frame.storeys;
     return std::ranges::any_of(views_, [&](const FloorView& view) {
       const Eigen::Vector2d at = view.at_plan.head<2>();
       if ((middle - at).norm() > options_.near_m) return false;
+      if (storeys.at_plan(middle) != storeys.at_plan(at)) return false;
       const Eigen::Vector3d point =
           view.camera_from_plan * Eigen::Vector3d(middle.x(), middle.y(), view.at_plan.z());
       // Where it stands below or above in the picture is left open: heads and hands nod.
