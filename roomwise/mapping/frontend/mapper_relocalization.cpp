@@ -67,6 +67,9 @@ Expected<void> Mapper::relocalize(const motion::FrameMeasurements& current, Keyf
   const std::vector<KeyframeId> drawn = sample_loop_candidates(
       keyframes_.size() + 1, options_.loops, RandomStream(options_.seed, {frame_index, ~1ULL}));
   ids.insert(ids.end(), drawn.begin(), drawn.end());
+  // The reference has answered. A step that was refused for what the device or the walk says is not
+  // to come back, asked without either, as one of the odometry.
+  std::erase(ids, reference);
   for (const KeyframeId id : ids) {
     ROOMWISE_TRY(const motion::MotionOutcome attempt,
                  compare(id, current, frame_index, std::nullopt));

@@ -337,6 +337,7 @@ TEST_F(CombinedMapperTest, RestoredAtAKeyframeGoesOnAsIfNeverStopped) {
 class DeviceMotionTest : public CombinedMapperTest {
  protected:
   using Use = scene::MotionUse;
+  static constexpr int kFew = 38;  // enough for a loop, too few against a prior
 
   static geometry::DeviceMotion device_at(int frame) {
     RigidTransform pose = pose_at(frame);
@@ -398,6 +399,35 @@ TEST_F(DeviceMotionTest, IsDroppedWhereThePicturesSaySurelyThatItJumped) {
   expect_one_component_within(mapper, 0.02);
   for (std::size_t frame = 0; frame < 30; ++frame)
     EXPECT_EQ(use_at(mapper, frame), frame == 15 ? Use::kDropped : Use::kTaken) << frame;
+}
+
+TEST_F(DeviceMotionTest, AStepThatItRefusesDoesNotComeBackAsOdometry) {
+  Mapper mapper(kCamera, {});
+  for (int frame = 0; frame < 15; ++frame) add(mapper, frame, Shows::kAll, device_at(frame));
+  // Too few features to be sure by say that the camera is aside, as where a pattern repeats.
+  RigidTransform aside = pose_at(15);
+  aside.translation.x() += 0.3;
+  const auto few = [&] {
+    motion::MeasuredFeatures seen = kSmallRoom.seen_from(aside, 15);
+    seen.pixels.resize(kFew);
+    seen.points.resize(kFew);
+    seen.features.keypoints.resize(kFew);
+    auto& descriptors = std::get<features::RealDescriptors>(seen.features.descriptors);
+    descriptors.conservativeResize(kFew, Eigen::NoChange);
+    return seen;
+  };
+  ASSERT_OK(
+      mapper.add_frame(15, 15 * 33'000'000LL, {kSmallRoom.view_from(aside), few}, device_at(15)));
+  EXPECT_TRUE(mapper.frames().back().place);
+  for (const PoseGraphEdge& edge : mapper.edges()) {
+    if (edge.is_robust) continue;
+    const auto pose_of = [&](KeyframeId id) {
+      return pose_at(static_cast<int>(mapper.keyframes()[id].frame_index));
+    };
+    const RigidTransform truth = pose_of(edge.from).inverse() * pose_of(edge.to);
+    EXPECT_LT((edge.from_from_to.translation - truth.translation).norm(), 0.1)
+        << edge.from << " to " << edge.to;
+  }
 }
 
 TEST_F(DeviceMotionTest, AJumpInTheDarkLeavesTheMapInOnePiece) {
