@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/stored_map.h"
@@ -12,20 +14,12 @@ namespace {
 // Where the camera was at each frame of each walk, on the map.
 Expected<std::vector<fusion::CameraPath>> walked_paths(const home::Home& home,
                                                        const fusion::GravityAlignedFrame& frame) {
-  ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  ROOMWISE_TRY(const auto recordings, home.recordings());
+  ROOMWISE_TRY(const auto frames, walked_frames(home));
+  std::map<home::RecordingId, fusion::CameraPath> by_walk;
+  for (const WalkedFrame& one : frames)
+    by_walk[one.recording].push_back(frame.gravity_from_world * one.at_world);
   std::vector<fusion::CameraPath> paths;
-  for (const home::StoredRecording& recording : recordings) {
-    ROOMWISE_TRY(const auto frames, home.frames(recording.id));
-    fusion::CameraPath& path = paths.emplace_back();
-    for (const home::Frame& one : frames) {
-      if (!one.place || one.place->keyframe >= keyframes.size()) continue;
-      const home::KeyframePose& pose = keyframes[one.place->keyframe].pose;
-      if (pose.component != 0) continue;
-      path.push_back(frame.gravity_from_world *
-                     (pose.world_from_keyframe * one.place->keyframe_from_camera.translation));
-    }
-  }
+  for (auto& [walk, path] : by_walk) paths.push_back(std::move(path));
   return paths;
 }
 

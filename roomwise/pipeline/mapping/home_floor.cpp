@@ -172,8 +172,8 @@ Expected<HomeFloor> find_home_floor(const home::Home& home, RunContext& run) {
     ROOMWISE_TRY(floor, build_home_floor(home, run));
   }
   if (floor->grid) {
-    ROOMWISE_TRY(const auto keyframes, map_keyframes(home));
-    floor->grid = with_walked_ways(*floor->grid, floor->frame, keyframes);
+    ROOMWISE_TRY(const auto frames, walked_frames(home));
+    floor->grid = with_walked_ways(*floor->grid, floor->frame, frames);
   }
   return *std::move(floor);
 }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "roomwise/base/testing/testing.h"
@@ -117,6 +118,32 @@ TEST_F(HomeFloorTest, WhoseStairsLeadToNoStoreyIsMadeAnew) {
     ASSERT_OK(find_home_floor(*home_, run_));
     EXPECT_EQ(fused_.times, times_fused) << "stairs up from storey " << lower;
   }
+}
+
+TEST_F(HomeFloorTest, ThatAWalkCrossedStaysWhereItsKeyframesAreCulled) {
+  // As if nothing of the floor had been seen.
+  const auto walked = [&] {
+    EXPECT_OK(keep_home_floor(*home_, run_));
+    home::DerivedData kept = home_->derived_data("floor").value().value();
+    nlohmann::json floor = nlohmann::json::from_cbor(kept.data);
+    std::ranges::fill(floor["grid"]["cells"].get_binary(), 0);
+    kept.data = nlohmann::json::to_cbor(floor);
+    EXPECT_OK(home_->put_derived_data(kept));
+    return find_home_floor(*home_, run_)->grid->area_m2(fusion::FloorCell::kFree);
+  };
+  const double before_m2 = walked();
+  EXPECT_GT(before_m2, 1);
+  home::KeyframeCulling culling;
+  const auto all = home_->keyframes().value();
+  const RigidTransform anchor_from_world = all[14].pose.world_from_keyframe.inverse();
+  for (const home::KeyframeId id : {15, 16, 17}) {
+    culling.culled.push_back(id);
+    culling.places.push_back({all[id].recording,
+                              all[id].frame_index,
+                              {14, anchor_from_world * all[id].pose.world_from_keyframe}});
+  }
+  ASSERT_OK(home_->cull_keyframes(culling));
+  EXPECT_NEAR(walked(), before_m2, 0.01);
 }
 
 TEST_F(HomeFloorTest, NeedsAMap) {

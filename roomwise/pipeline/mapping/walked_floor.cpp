@@ -12,7 +12,9 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kHalfBody_m = 0.2;  // of who carried the camera, with the shoulders in
-// From one key-frame to the next people go straight, if it is no more than so much.
+// Who moved less stands still, so frames of a minute are one station.
+constexpr double kStill_m = 0.05;
+// From one station to the next people go straight, if it is no more than so much.
 constexpr double kStep_m = 1, kStep_s = 2;
 // Whose camera rises or sinks by more may be on a step: those that people build begin at 0.12 m.
 constexpr double kLevel_m = 0.1;
@@ -24,7 +26,7 @@ constexpr double kTallest_m = 1.9;  // a camera is held under the top of a head
 // Where the camera was.
 struct Station {
   home::RecordingId recording = 0;
-  TimestampNs timestamp_ns = 0;
+  TimestampNs from_ns = 0, to_ns = 0;
   Vector2d place = Vector2d::Zero();  // on the plan
   double height_m = 0;                // over the storey's floor
   std::size_t storey = 0;
@@ -46,13 +48,22 @@ std::map<std::pair<home::RecordingId, std::size_t>, double> usual_heights_m(
   return usual;
 }
 
-std::vector<Station> stations_of(std::span<const home::Keyframe> keyframes,
+bool stands_still(const Station& before, const WalkedFrame& now, const Eigen::Vector3d& place) {
+  const Eigen::Vector3d there(before.place.x(), before.place.y(), before.height_m);
+  return now.recording == before.recording && (place - there).norm() < kStill_m;
+}
+
+std::vector<Station> stations_of(std::span<const WalkedFrame> frames,
                                  const fusion::GravityAlignedFrame& frame) {
   std::vector<Station> stations;
-  for (const home::Keyframe& one : keyframes) {
-    const Eigen::Vector3d place = frame.on_plan(one.pose.world_from_keyframe.translation);
-    stations.push_back({one.recording, one.timestamp_ns, place.head<2>(), place.z(),
-                        frame.storeys.at_plan(place.head<2>())});
+  for (const WalkedFrame& one : frames) {
+    const Eigen::Vector3d place = frame.on_plan(one.at_world);
+    if (!stations.empty() && stands_still(stations.back(), one, place)) {
+      stations.back().to_ns = one.timestamp_ns;
+      continue;
+    }
+    stations.push_back({one.recording, one.timestamp_ns, one.timestamp_ns, place.head<2>(),
+                        place.z(), frame.storeys.at_plan(place.head<2>())});
   }
   const auto usual = usual_heights_m(stations);
   for (Station& one : stations) {
@@ -102,7 +113,7 @@ bool is_level_before(std::span<const Station> stations, std::size_t at) {
 // Whether one walked over level floor to a station from the one before it.
 bool is_step(std::span<const Station> stations, std::size_t to) {
   return goes_on(stations[to - 1], stations[to]) &&
-         seconds_between(stations[to - 1].timestamp_ns, stations[to].timestamp_ns) <= kStep_s &&
+         seconds_between(stations[to - 1].to_ns, stations[to].from_ns) <= kStep_s &&
          is_level_before(stations, to - 1) && is_level_after(stations, to);
 }
 
@@ -134,13 +145,13 @@ void walk(const Vector2d& from, const Vector2d& to, const fusion::FloorGrid& flo
 
 fusion::FloorGrid with_walked_ways(const fusion::FloorGrid& floor,
                                    const fusion::GravityAlignedFrame& frame,
-                                   std::span<const home::Keyframe> keyframes) {
+                                   std::span<const WalkedFrame> frames) {
   image::Image<fusion::FloorCell> cells(floor.columns(), floor.rows());
   for (int row = 0; row < floor.rows(); ++row) {
     for (int column = 0; column < floor.columns(); ++column)
       cells.at(column, row) = floor.at(column, row);
   }
-  const std::vector<Station> stations = stations_of(keyframes, frame);
+  const std::vector<Station> stations = stations_of(frames, frame);
   for (std::size_t i = 1; i < stations.size(); ++i) {
     if (is_step(stations, i)) walk(stations[i - 1].place, stations[i].place, floor, cells);
   }

@@ -4,13 +4,14 @@
 
 #include "roomwise/fusion/floor_grid.h"
 #include "roomwise/fusion/gravity_aligned_frame.h"
-#include "roomwise/home/home.h"
+#include "roomwise/pipeline/stored/keyframe_images.h"
 
 namespace roomwise::pipeline {
 
 // The same floor, free also where a walk led and the floor itself was not seen: a camera looks
 // ahead, and what lies close behind a door is walked over before it is looked at. What was seen to
-// be occupied stays so. `keyframes`: of the map, by id.
+// be occupied stays so. Frames tell of it, since key-frames
+// give way to those that show the same. `frames`: see walked_frames().
 //
 // A step up or down is no floor, also where no stairs were recognised: only what the walk crossed
 // at the height at which its camera is mostly held on that storey, and went on level for as far as
@@ -19,6 +20,6 @@ namespace roomwise::pipeline {
 // walked.
 [[nodiscard]] fusion::FloorGrid with_walked_ways(const fusion::FloorGrid& floor,
                                                  const fusion::GravityAlignedFrame& frame,
-                                                 std::span<const home::Keyframe> keyframes);
+                                                 std::span<const WalkedFrame> frames);
 
 }  // namespace roomwise::pipeline

@@ -10,17 +10,16 @@ namespace {
 
 using fusion::FloorCell;
 
-// Key-frames every half second, half a metre apart, along x at y = 1, 1.4 m up.
-std::vector<home::Keyframe> walk(int count) {
-  std::vector<home::Keyframe> keyframes(static_cast<std::size_t>(count));
+// Frames every half second, half a metre apart, along x at y = 1, 1.4 m up.
+std::vector<WalkedFrame> walk(int count) {
+  std::vector<WalkedFrame> frames(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
-    home::Keyframe& one = keyframes[static_cast<std::size_t>(i)];
-    one.id = i + 1;
+    WalkedFrame& one = frames[static_cast<std::size_t>(i)];
     one.recording = 1;
     one.timestamp_ns = i * 500'000'000LL;
-    one.pose.world_from_keyframe.translation = {0.5 + 0.5 * i, 1, 1.4};
+    one.at_world = {0.5 + 0.5 * i, 1, 1.4};
   }
-  return keyframes;
+  return frames;
 }
 
 // 4 x 2 m of which nothing is known, but for a thing on the way.
@@ -43,16 +42,16 @@ TEST(WalkedFloorTest, WhatWasSeenOccupiedStaysSo) {
   EXPECT_EQ(with_walked_ways(floor(), {}, walk(5)).at({2.05, 1.05}), FloorCell::kOccupied);
 }
 
-std::size_t free_cells(const std::vector<home::Keyframe>& keyframes) {
-  return with_walked_ways(floor(), {}, keyframes).count(FloorCell::kFree);
+std::size_t free_cells(const std::vector<WalkedFrame>& frames) {
+  return with_walked_ways(floor(), {}, frames).count(FloorCell::kFree);
 }
 
-TEST(WalkedFloorTest, NothingIsWalkedBetweenKeyframesThatDoNotFollowEachOther) {
+TEST(WalkedFloorTest, NothingIsWalkedBetweenFramesThatDoNotFollowEachOther) {
   auto late = walk(4);
   for (std::size_t i : {1, 2, 3}) late[i].timestamp_ns += 3'000'000'000;
   EXPECT_EQ(with_walked_ways(floor(), {}, late).at({0.75, 1.05}), FloorCell::kUnknown);
   auto far = walk(4);
-  for (std::size_t i : {1, 2, 3}) far[i].pose.world_from_keyframe.translation.x() += 1;
+  for (std::size_t i : {1, 2, 3}) far[i].at_world.x() += 1;
   EXPECT_EQ(with_walked_ways(floor(), {}, far).at({0.75, 1.05}), FloorCell::kUnknown);
   auto others = walk(4);
   for (std::size_t i : {1, 2, 3}) others[i].recording = 2;
@@ -60,19 +59,18 @@ TEST(WalkedFloorTest, NothingIsWalkedBetweenKeyframesThatDoNotFollowEachOther) {
   EXPECT_EQ(with_walked_ways(floor(), {}, walk(4)).at({0.75, 1.05}), FloorCell::kFree);
 }
 
-// Key-frames every 10 cm along x from 0 at y = 1; how high the camera is over the floor where a
+// Frames every 10 cm along x from 0 at y = 1; how high the camera is over the floor where a
 // walk began, by how far it has come.
 template <typename Height>
-std::vector<home::Keyframe> dense_walk(double length_m, const Height& height_m) {
-  std::vector<home::Keyframe> keyframes;
+std::vector<WalkedFrame> dense_walk(double length_m, const Height& height_m) {
+  std::vector<WalkedFrame> frames;
   for (int i = 0; 0.1 * i <= length_m; ++i) {
-    home::Keyframe& one = keyframes.emplace_back();
-    one.id = i + 1;
+    WalkedFrame& one = frames.emplace_back();
     one.recording = 1;
     one.timestamp_ns = i * 100'000'000LL;
-    one.pose.world_from_keyframe.translation = {0.1 * i, 1, height_m(0.1 * i)};
+    one.at_world = {0.1 * i, 1, height_m(0.1 * i)};
   }
-  return keyframes;
+  return frames;
 }
 
 // The last free cell's middle along the walk, in m; 0: none is.
@@ -135,11 +133,11 @@ TEST(WalkedFloorTest, AnotherLevelThatIsNoStoreyIsNoFloor) {
 TEST(WalkedFloorTest, ALadderIsNoFloor) {
   auto ladder = dense_walk(2, [](double) { return 1.4; });
   const auto climbed = dense_walk(1.5, [](double) { return 0.0; });
-  for (const home::Keyframe& one : climbed) {
-    const double up_m = one.pose.world_from_keyframe.translation.x();
-    home::Keyframe& higher = ladder.emplace_back(ladder.back());
+  for (const WalkedFrame& one : climbed) {
+    const double up_m = one.at_world.x();
+    WalkedFrame& higher = ladder.emplace_back(ladder.back());
     higher.timestamp_ns += 100'000'000;
-    higher.pose.world_from_keyframe.translation = {2 + 0.1 * up_m, 1, 1.4 + up_m};
+    higher.at_world = {2 + 0.1 * up_m, 1, 1.4 + up_m};
   }
   const double last_m = free_up_to_m(with_walked_ways(unknown_floor(), {}, ladder));
   EXPECT_LT(last_m, 1.5);
@@ -152,10 +150,25 @@ TEST(WalkedFloorTest, ALevelWalkMayBobAsWalkersDo) {
   for (double x = 0.05; x < 3; x += 0.1) EXPECT_EQ(walked.at({x, 1.05}), FloorCell::kFree) << x;
 }
 
+TEST(WalkedFloorTest, WhoStandsStillOnTheWayWalksOn) {
+  const auto on = walk(7);
+  auto lost = on;
+  for (std::size_t i = 3; i < lost.size(); ++i) lost[i].timestamp_ns += 10'000'000'000;
+  auto pausing = lost;
+  for (int i = 0; i < 100; ++i) {
+    WalkedFrame still = on[2];
+    still.timestamp_ns += i * 100'000'000LL;
+    still.at_world.x() += i % 2 == 0 ? 0 : 0.01;
+    pausing.insert(pausing.begin() + 3 + i, still);
+  }
+  EXPECT_EQ(free_cells(pausing), free_cells(on));
+  EXPECT_LT(free_cells(lost), free_cells(on)) << "nobody knows where those ten seconds were spent";
+}
+
 TEST(WalkedFloorTest, WhereOneTurnsBackIsFloor) {
   auto there_and_back = dense_walk(2, [](double) { return 1.4; });
   for (std::size_t i = there_and_back.size() - 1; i-- > 0;) {
-    home::Keyframe& back = there_and_back.emplace_back(there_and_back[i]);
+    WalkedFrame& back = there_and_back.emplace_back(there_and_back[i]);
     back.timestamp_ns = static_cast<TimestampNs>(there_and_back.size()) * 100'000'000;
   }
   EXPECT_GT(free_up_to_m(with_walked_ways(unknown_floor(), {}, there_and_back)), 2);

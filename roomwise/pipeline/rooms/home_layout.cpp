@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/stored_edits.h"
 
 namespace roomwise::pipeline {
@@ -95,17 +96,10 @@ Expected<void> check_rooms_are_named(const home::Home& home) {
 Expected<std::vector<FrameOnFloor>> frames_on_floor(const home::Home& home,
                                                     home::RecordingId recording,
                                                     const fusion::GravityAlignedFrame& frame) {
-  ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  ROOMWISE_TRY(const auto frames, home.frames(recording));
+  ROOMWISE_TRY(const auto frames, walked_frames(home, recording));
   std::vector<FrameOnFloor> on_floor;
-  for (const home::Frame& one : frames) {
-    if (!one.place || one.place->keyframe >= keyframes.size()) continue;
-    const home::KeyframePose& pose = keyframes[one.place->keyframe].pose;
-    if (pose.component != 0) continue;
-    const Eigen::Vector3d camera_gravity =
-        frame.gravity_from_world *
-        (pose.world_from_keyframe * one.place->keyframe_from_camera.translation);
-    const Eigen::Vector3d camera_plan = frame.storeys.plan_from_gravity(camera_gravity);
+  for (const WalkedFrame& one : frames) {
+    const Eigen::Vector3d camera_plan = frame.on_plan(one.at_world);
     if (frame.storeys.stairs_at(camera_plan.head<2>())) continue;  // over no floor
     on_floor.push_back({one.index, camera_plan.head<2>()});
   }

@@ -52,4 +52,23 @@ Expected<std::vector<home::Keyframe>> map_keyframes(const home::Home& home) {
   return keyframes;
 }
 
+Expected<std::vector<WalkedFrame>> walked_frames(const home::Home& home,
+                                                 std::optional<home::RecordingId> walk) {
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  std::vector<WalkedFrame> walked;
+  for (const home::StoredRecording& recording : recordings) {
+    if (walk && recording.id != *walk) continue;
+    ROOMWISE_TRY(const auto frames, home.frames(recording.id));
+    for (const home::Frame& one : frames) {
+      if (!one.place || one.place->keyframe >= keyframes.size()) continue;
+      const home::KeyframePose& pose = keyframes[one.place->keyframe].pose;
+      if (pose.component != 0) continue;
+      walked.push_back({recording.id, one.index, one.timestamp_ns,
+                        pose.world_from_keyframe * one.place->keyframe_from_camera.translation});
+    }
+  }
+  return walked;
+}
+
 }  // namespace roomwise::pipeline

@@ -31,6 +31,18 @@ struct DecodedImages {
 // The key-frames of the largest component of the map, by id.
 [[nodiscard]] Expected<std::vector<home::Keyframe>> map_keyframes(const home::Home& home);
 
+// Where the camera was at a frame of a walk, in the map's world.
+struct WalkedFrame {
+  home::RecordingId recording = 0;
+  std::uint64_t index = 0;
+  TimestampNs timestamp_ns = 0;
+  Eigen::Vector3d at_world = Eigen::Vector3d::Zero();
+};
+// The frames that the largest component of the map places: of all walks, one after the other, or of
+// one, each in the order of time. They stay where key-frames were culled.
+[[nodiscard]] Expected<std::vector<WalkedFrame>> walked_frames(
+    const home::Home& home, std::optional<home::RecordingId> walk = std::nullopt);
+
 // A picture that shows nothing: what a key-frame counts as whose own cannot be read.
 [[nodiscard]] DecodedImages blank(const geometry::PinholeCamera& camera);
 
