@@ -71,7 +71,8 @@ Expected<std::vector<ShownObject>> shown_objects(const home::Home& home) {
   return shown;
 }
 
-// Everything of the home that the report is made from, read once.
+// Everything of the home that the report is made from, read once: without what walks showed that
+// are taken away.
 struct Stored {
   std::vector<home::StoredRecording> recordings;
   std::map<home::KeyframeId, home::Keyframe> keyframes;
@@ -104,6 +105,16 @@ Expected<Stored> read(const home::Home& home) {
           return frame.place && stored.keyframes.at(frame.place->keyframe).pose.component == 0;
         }));
   }
+  std::erase_if(stored.keyframes, [&](const auto& one) {
+    return std::ranges::find(stored.recordings, one.second.recording, &home::StoredRecording::id) ==
+           stored.recordings.end();
+  });
+  const auto is_gone = [&](home::KeyframeId id) { return !stored.keyframes.contains(id); };
+  std::erase_if(stored.edges, [&](const mapping::PoseGraphEdge& edge) {
+    return is_gone(edge.from) || is_gone(edge.to);
+  });
+  std::erase_if(stored.objects, [&](const ShownObject& one) { return is_gone(one.keyframe); });
+  std::erase_if(stored.named_rooms, [&](const auto& one) { return is_gone(one.first); });
   return stored;
 }
 
@@ -160,10 +171,6 @@ Expected<std::vector<ReportContent::Object>> report_objects(
   for (const ShownObject& object : stored.objects) {
     const home::Keyframe& keyframe = stored.keyframes.at(object.keyframe);
     if (keyframe.pose.component != 0) continue;  // nobody knows where on this map it is
-    if (std::ranges::find(stored.recordings, keyframe.recording, &home::StoredRecording::id) ==
-        stored.recordings.end()) {
-      continue;  // its picture is of a walk that is taken away
-    }
     ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe.id));
     ROOMWISE_TRY(const image::ColorImage picture, image::decode_color(images.color));
     objects.push_back({{object.name, keyframe.pose.world_from_keyframe * object.place_keyframe},
@@ -239,17 +246,18 @@ evaluation::TopViewOptions top_view_options(const std::optional<HomeLayout>& lay
 Expected<ReportContent> report_content(const home::Home& home, const ReportExtras& extras,
                                        RunContext& run) {
   ROOMWISE_TRY(const Stored stored, read(home));
-  ROOMWISE_TRY(const recording::Trajectory trajectory, stored_trajectory(home));
   ROOMWISE_TRY(const MapCloud map, build_map_cloud(home, kVoxelSize_m, run));
   ROOMWISE_TRY(const std::optional<HomeLayout> layout, find_home_layout(home, run));
 
   ReportContent content;
   content.home = extras.name;
   content.warnings = warnings(stored, map.up);
+  recording::Trajectory trajectory;
   double length_m = 0;
   for (const home::StoredRecording& recording : stored.recordings) {
     ROOMWISE_TRY(const recording::Trajectory of_walk, stored_trajectory(home, recording.id));
     length_m += path_length_m(of_walk);
+    trajectory.insert(trajectory.end(), of_walk.begin(), of_walk.end());
   }
   content.summary = summary(stored, length_m);
   content.recognition = extras.recognition;
