@@ -412,7 +412,7 @@ TEST_F(DeviceMotionTest, AStepThatItRefusesDoesNotComeBackAsOdometry) {
     seen.pixels.resize(kFew);
     seen.points.resize(kFew);
     seen.features.keypoints.resize(kFew);
-    auto& descriptors = std::get<features::RealDescriptors>(seen.features.descriptors);
+    auto& descriptors = std::get<features::FloatDescriptors>(seen.features.descriptors);
     descriptors.conservativeResize(kFew, Eigen::NoChange);
     return seen;
   };
