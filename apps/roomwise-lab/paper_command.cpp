@@ -135,7 +135,8 @@ Expected<Answer> run(const PaperOptions& given, Context& context) {
   }
   ROOMWISE_RETURN_IF_ERROR(study.validate());
   ROOMWISE_RETURN_IF_ERROR(check_can_write(options.output));
-  ROOMWISE_TRY(study.version, version_of_programs());
+  studies::KnownDigests of_programs;
+  ROOMWISE_TRY(study.version, version_of_programs(of_programs));
   study.first_seed = context.seed;
   ROOMWISE_TRY(study.networks, usable_networks());
   study.trained = trained_network();

@@ -17,6 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// In a study's folder, of the programs and networks that it was begun with.
+constexpr const char* kDigests = "digests.json";
+
 struct StudyOptions {
   fs::path study;  // a file, or a folder of several
   fs::path output;
@@ -132,8 +135,11 @@ Expected<studies::StudyCount> run_one(const studies::StudyStore& store, const St
 }
 
 Expected<Answer> run_study(const StudyOptions& options, Context& context) {
-  ROOMWISE_TRY(const std::string version, version_of_programs());
+  studies::KnownDigests of_programs;
+  ROOMWISE_TRY(const std::string version, version_of_programs(of_programs));
   ROOMWISE_TRY(const auto stores, open_studies(options, version));
+  for (const studies::StudyStore& store : stores)
+    ROOMWISE_RETURN_IF_ERROR(of_programs.write(store.folder() / kDigests));
   Answer answer;
   std::vector<std::string> names;
   studies::StudyCount all;
@@ -160,7 +166,8 @@ Expected<Answer> run_study(const StudyOptions& options, Context& context) {
 
 Expected<Answer> run_study_task(const StudyTaskOptions& options, Context& context) {
   ROOMWISE_TRY(const auto store, studies::StudyStore::open(options.folder));
-  ROOMWISE_TRY(const std::string version, version_of_programs());
+  auto of_programs = studies::KnownDigests::read(store.folder() / kDigests);
+  ROOMWISE_TRY(const std::string version, version_of_programs(of_programs));
   if (version != store.version()) {
     return fail("{}: was begun with {}, and this is {}", options.folder.string(), store.version(),
                 version);

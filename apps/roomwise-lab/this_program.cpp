@@ -15,15 +15,15 @@ Expected<std::filesystem::path> this_program() {
   return program;
 }
 
-Expected<std::string> version_of_programs() {
+Expected<std::string> version_of_programs(studies::KnownDigests& known) {
   ROOMWISE_TRY(const std::filesystem::path own, this_program());
   std::vector<std::filesystem::path> files = installed_networks();
   files.push_back(own.parent_path() / "roomwise");
   files.push_back(own);
   std::string digests;
   for (const std::filesystem::path& file : files) {
-    ROOMWISE_TRY(const Bytes bytes, read_file(file));
-    digests += sha256_hex(bytes);
+    ROOMWISE_TRY(const std::string digest, known.of(file));
+    digests += digest;
   }
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(digests.data()), digests.size());
   constexpr std::size_t kShown = 12;
