@@ -141,6 +141,7 @@ Expected<std::unique_ptr<network::OnnxClassifier>> load_network(
     pipeline::NetworkPrecision precision, const home::Home* home) {
   ROOMWISE_TRY(network::NetworkFile read, network::read_network_file(file, labels));
   if (home != nullptr) {
+    ROOMWISE_TRY(read, pipeline::known_as_before(*home, std::move(read), file));
     ROOMWISE_TRY(read, pipeline::in_precision(*home, std::move(read), precision));
   }
   return network::OnnxClassifier::create(std::move(read), file);
@@ -352,8 +353,9 @@ Expected<pipeline::Networks> load_networks_for_new(const NetworkOptions& options
     const auto card = network::find_model_card(file);
     const auto labels = labels_for(options, chosen, file);
     if (!card || !card->labels_file.empty() || labels) continue;  // it names things: in floats
-    const auto read = network::read_network_file(file, labels);
+    auto read = network::read_network_file(file, labels);
     if (!read) continue;  // loading it says why
+    ROOMWISE_TRY(read, pipeline::known_as_before(home, *std::move(read), file));
     ROOMWISE_TRY(const bool is_new,
                  pipeline::needs_precision_check(home, *read, options.precision));
     if (!is_new) continue;

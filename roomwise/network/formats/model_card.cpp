@@ -151,6 +151,30 @@ Expected<TextNetwork> parse_text_network(const Json& object, const std::string& 
   return text;
 }
 
+// All that decides what a network sees, but for its texts (OpenVocabulary::fingerprint()).
+std::string decisive_text(const ModelCard& card) {
+  const Json all{name_of(card.task),
+                 card.input_width_px,
+                 card.input_height_px,
+                 card.color_order,
+                 card.fit,
+                 card.mean,
+                 card.scale,
+                 card.features_outputs,
+                 card.scores_output,
+                 card.scores_need_softmax,
+                 card.labels_file,
+                 card.first_label,
+                 card.architecture};
+  return all.dump();
+}
+
+std::optional<Expected<ModelCard>> brought_card(const std::string& name) {
+  const auto found = std::ranges::find(built_in_cards(), name, &BuiltInText::name);
+  if (found == built_in_cards().end()) return std::nullopt;
+  return ModelCard::parse(found->text, fmt::format("models/{}.card.json", name));
+}
+
 bool is_sha256_hex(std::string_view text) {
   return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == text.npos;
 }
@@ -241,17 +265,17 @@ Expected<ModelCard> find_model_card(const std::filesystem::path& weights) {
     if (card.name.empty()) card.name = name;
     return card;
   };
+  auto brought = brought_card(name);
   const std::filesystem::path beside = weights.parent_path() / (name + ".card.json");
   std::error_code ignored;
   if (std::filesystem::exists(beside, ignored)) {
     ROOMWISE_TRY(const std::string json, read_text_file(beside));
-    return ModelCard::parse(json, beside.string()).map(with_name);
+    ROOMWISE_TRY(ModelCard card, ModelCard::parse(json, beside.string()));
+    std::string text = decisive_text(card);
+    if (!brought || !*brought || decisive_text(**brought) != text) card.own = std::move(text);
+    return with_name(std::move(card));
   }
-  for (const BuiltInText& card : built_in_cards()) {
-    if (card.name == name) {
-      return ModelCard::parse(card.text, fmt::format("models/{}.card.json", name)).map(with_name);
-    }
-  }
+  if (brought) return (*std::move(brought)).map(with_name);
   return fail(
       "{}: nothing says what this network takes; write {} beside it, for example {{ \"input\": {{ "
       "\"width\": 224, \"height\": 224, \"colors\": \"rgb\" }}, \"mean\": [127.5, 127.5, 127.5], "

@@ -94,6 +94,9 @@ struct ModelCard {
   std::string sha256;               // of the weights file; empty: any file is taken
   std::optional<TextNetwork> text;  // of kMatchWords alone
   std::vector<std::string> notes;   // for people: how it was trained, how well it does
+  // Where it lies beside the weights, and Roomwise brings along none of that name that says the
+  // same: what it says that decides what the network sees. Else empty.
+  std::string own;
 
   // Fails, naming `origin` (the card's file) and the field, on anything missing, unknown or out of
   // range.

@@ -141,6 +141,14 @@ Expected<std::vector<std::string>> read_labels_of(const std::filesystem::path& w
   return known_labels(card, std::move(labels));
 }
 
+std::string network_fingerprint(const std::string& sha256, const ModelCard& card,
+                                const std::vector<std::string>& labels) {
+  if (card.own.empty()) return sha256;
+  std::string all = fmt::format("{}\n{}", sha256, card.own);
+  for (const std::string& label : labels) all += "\n" + label;  // each is a line
+  return sha256_hex({reinterpret_cast<const std::uint8_t*>(all.data()), all.size()});
+}
+
 Expected<NetworkFile> read_network_file(const std::filesystem::path& weights,
                                         const std::optional<std::filesystem::path>& labels) {
   if (is_eight_bit_file(weights)) return read_in_eight_bits(weights, labels);
@@ -148,9 +156,9 @@ Expected<NetworkFile> read_network_file(const std::filesystem::path& weights,
 }
 
 Expected<NetworkFile> in_eight_bits(NetworkFile file, EightBitFile how) {
-  if (file.fingerprint != how.sha256) {
+  if (file.sha256 != how.sha256) {
     return fail("was measured of another file: the SHA-256 of {} is {}, not {}; measure it anew",
-                how.network.string(), file.fingerprint, how.sha256);
+                how.network.string(), file.sha256, how.sha256);
   }
   file.card.name = name_in_eight_bits(file.card.name);
   file.fingerprint = how.fingerprint();
@@ -168,13 +176,14 @@ Expected<NetworkFile> read_network_in_floats(const std::filesystem::path& weight
   NetworkFile file;
   ROOMWISE_TRY(const Bytes bytes, read_file(weights));
   ROOMWISE_TRY(file.card, find_model_card(weights));
-  file.fingerprint = sha256_hex(bytes);
-  if (!file.card.sha256.empty() && file.card.sha256 != file.fingerprint) {
+  file.sha256 = sha256_hex(bytes);
+  if (!file.card.sha256.empty() && file.card.sha256 != file.sha256) {
     return fail("{}: is not the file that its card describes: its SHA-256 is {}, not {}",
-                weights.string(), file.fingerprint, file.card.sha256);
+                weights.string(), file.sha256, file.card.sha256);
   }
   ROOMWISE_TRY(auto all_labels, labels_for(file.card, weights, labels));
   ROOMWISE_TRY(file.labels, known_labels(file.card, std::move(all_labels)).map_error(in_file));
+  file.fingerprint = network_fingerprint(file.sha256, file.card, file.labels);
   ROOMWISE_TRY(file.graph, graph_of(file.card, bytes).map_error(in_file));
   ROOMWISE_RETURN_IF_ERROR(fix_input(file.graph, file.card).map_error(in_file));
   return file;

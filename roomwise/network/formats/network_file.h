@@ -16,13 +16,20 @@ struct NetworkFile {
   ModelCard card;
   std::vector<std::string> labels;  // empty: it names nothing
   OnnxGraph graph;                  // its input is of the card's size
-  std::string fingerprint;          // SHA-256 of the weights file, or EightBitFile's
+  std::string sha256;               // of the weights file
+  // By which a home knows what it saw: that SHA-256; with a card of one's own (ModelCard::own) a
+  // digest of that, the card and the labels; or EightBitFile's.
+  std::string fingerprint;
   std::optional<EightBitFile> eight_bits = std::nullopt;  // absent: it is run in floats
 };
 
 // Whether it ends as files of networks, or of weights alone, do: .onnx, .pth, .safetensors. One of
 // 8 bits is neither.
 [[nodiscard]] bool has_ending_of_network(const std::filesystem::path& file);
+
+// NetworkFile::fingerprint of a network that is run in floats.
+[[nodiscard]] std::string network_fingerprint(const std::string& sha256, const ModelCard& card,
+                                              const std::vector<std::string>& labels);
 
 // weights: an ONNX file, weights alone (weights_file.h) of the network that the card names, or a
 // file that says how one of these is run in 8 bits (eight_bit_file.h), which then has a name of its

@@ -59,7 +59,7 @@ Expected<QuantizedClassifier> quantize_classifier(const std::filesystem::path& w
                                 .measured_on = calibration.size(),
                                 .checked_on = held_out.size()};
   quantized.file.network = weights;
-  quantized.file.sha256 = file.fingerprint;
+  quantized.file.sha256 = file.sha256;
   quantized.file.preprocessing = preprocessing_of(file.card, outputs);
   if (checked.eight_bits) {
     quantized.file.ranges = *std::move(checked.eight_bits);

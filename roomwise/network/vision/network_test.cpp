@@ -148,13 +148,42 @@ TEST_F(OnnxClassifierTest, JoinsSeveralOutputsSoThatEachCountsTheSame) {
               ::testing::Pointwise(::testing::FloatEq(), {0.8F, 0.F, 0.6F, 0.8F, 0.F, 0.6F}));
 }
 
-TEST_F(OnnxClassifierTest, FingerprintIsTheHashOfTheWeights) {
-  const auto weights = write_tiny();
-  const auto network = OnnxClassifier::load(weights);
-  ASSERT_OK(network);
+// What was seen by another card is not what it would see now.
+TEST_F(OnnxClassifierTest, FingerprintIsOfTheWeightsAndOfWhatACardOfOnesOwnDecides) {
+  std::set<std::string> seen;
+  const auto is_new = [&](const std::string& more, const std::string& input_more = "") {
+    const auto network = OnnxClassifier::load(write_tiny(more, mean_color_network(), input_more));
+    EXPECT_OK(network);
+    return seen.insert((*network)->fingerprint()).second;
+  };
+  write("three.txt", "red\ngreen\nblue\n");
+  EXPECT_TRUE(is_new(""));
+  EXPECT_FALSE(is_new(R"(, "license": "MIT", "notes": ["seen"], "mean": [0, 0, 0.0])"));
+  EXPECT_TRUE(is_new(R"(, "mean": [0, 0, 1])"));
+  EXPECT_TRUE(is_new(R"(, "scale": [1, 1, 2])"));
+  EXPECT_TRUE(is_new("", R"(, "colors": "bgr")"));
+  EXPECT_TRUE(is_new(R"(, "outputs": {"features": "pooled_node"})"));
+  EXPECT_TRUE(is_new(R"(, "labels": "three.txt")"));
+  EXPECT_TRUE(is_new(R"(, "labels": "three.txt", "outputs": {"softmax": true})"));
+  write("three.txt", "red\ngreen\npurple\n");
+  EXPECT_TRUE(is_new(R"(, "labels": "three.txt")"));
+}
+
+TEST_F(OnnxClassifierTest, FingerprintIsTheHashOfTheWeightsWithoutACardOfOnesOwn) {
+  const std::string name = "roomwise-compact-2";
+  const auto copy = [&](const std::string& file) {
+    const auto text = read_text_file(std::filesystem::path(ROOMWISE_MODELS_FOLDER) / file);
+    EXPECT_OK(text);
+    return write(file, *text);
+  };
+  copy(name + ".labels.txt");
+  const auto weights = copy(name + ".onnx");
   const auto bytes = read_file(weights);
   ASSERT_OK(bytes);
-  EXPECT_EQ((*network)->fingerprint(), sha256_hex(*bytes));
+  const auto fingerprint = [&] { return read_network_in_floats(weights).value().fingerprint; };
+  EXPECT_EQ(fingerprint(), sha256_hex(*bytes));
+  copy(name + ".card.json");
+  EXPECT_EQ(fingerprint(), sha256_hex(*bytes)) << "it says the same";
 }
 
 TEST_F(OnnxClassifierTest, ACardsDigestMayBeInCapitalsAndIsWhole) {

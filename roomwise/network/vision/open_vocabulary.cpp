@@ -100,7 +100,7 @@ Expected<std::unique_ptr<OpenVocabulary>> OpenVocabulary::load(
   const std::filesystem::path texts = folder / text.network;
   ROOMWISE_TRY(const Bytes bytes, read_file(texts));
   ROOMWISE_TRY(both->texts_, text_executor(bytes, text).map_error(in(texts)));
-  std::vector<std::string> made_of{file.fingerprint, sha256_hex(bytes),
+  std::vector<std::string> made_of{file.sha256, sha256_hex(bytes),
                                    preprocessing_of(file.card, outputs)};
   for (const auto& name : {text.merges, text.vocabulary}) {
     if (name.empty()) continue;

@@ -94,6 +94,13 @@ struct FileHere {
     }
     return *sha256_;
   }
+  // As it lies here with its card and labels, it is what the home knows by this.
+  [[nodiscard]] bool is(const std::string& fingerprint) {
+    if (sha256() == fingerprint) return true;
+    const auto card = network::find_model_card(path);
+    const auto labels = network::read_labels_of(path);
+    return card && labels && network::network_fingerprint(sha256(), *card, *labels) == fingerprint;
+  }
 
  private:
   std::optional<std::string> sha256_;
@@ -117,8 +124,7 @@ void compare(NeededNetwork& needed, std::vector<FileHere>& here) {
   if (const auto* entry = published(needed)) needed.published_as = entry->name;
   std::ranges::stable_partition(here,
                                 [&](const FileHere& file) { return file.name == needed.name; });
-  auto found =
-      std::ranges::find_if(here, [&](FileHere& file) { return file.sha256() == needed.sha256; });
+  auto found = std::ranges::find_if(here, [&](FileHere& file) { return file.is(needed.sha256); });
   const bool is_right = found != here.end();
   if (!is_right) found = std::ranges::find(here, needed.name, &FileHere::name);
   if (found == here.end()) return;

@@ -21,7 +21,7 @@ enum class NetworkFileState {
 struct NeededNetwork {
   std::string name;    // as the home knows it
   std::string use;     // for people: what the home has of it
-  std::string sha256;  // of its weights file
+  std::string sha256;  // of its weights file, or NetworkFile::fingerprint
   NetworkFileState state = NetworkFileState::kMissing;
   std::filesystem::path file = {};  // empty: none of this name is here
   std::string found_sha256 = {};    // of that file

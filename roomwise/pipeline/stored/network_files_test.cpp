@@ -5,6 +5,7 @@
 #include "roomwise/base/file.h"
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/network/formats/eight_bit_file.h"
+#include "roomwise/network/formats/network_file.h"
 #include "roomwise/network/testing/tiny_network.h"
 
 namespace roomwise::pipeline {
@@ -60,6 +61,13 @@ TEST_F(NetworkFilesTest, TheSameBytesAreRight) {
   store_rooms("tiny", sha256_);
   EXPECT_EQ(only().state, NetworkFileState::kRight);
   EXPECT_EQ(only().file, folder_ / "tiny.onnx");
+}
+
+TEST_F(NetworkFilesTest, TheSameBytesWithAnotherCardAreOther) {
+  store_rooms("tiny", network::read_network_in_floats(folder_ / "tiny.onnx").value().fingerprint);
+  EXPECT_EQ(only().state, NetworkFileState::kRight);
+  write("tiny.card.json", R"({"input": {"width": 6, "height": 4}, "scale": [2, 2, 2]})");
+  EXPECT_EQ(only().state, NetworkFileState::kOther);
 }
 
 TEST_F(NetworkFilesTest, OfFilesWithTheBytesTheOneOfTheNameIsLookedAtFirst) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "roomwise/network/formats/built_in_cards.h"
 #include "roomwise/network/vision/classifier_outputs.h"
 #include "roomwise/pipeline/stored/network_precision_key.h"
 
@@ -93,7 +94,7 @@ Expected<std::optional<PrecisionCheck>> stored_precision_check(const home::Home&
   std::optional<PrecisionCheck> check;
   if (!may_be_in_eight_bits(file)) return check;
   ROOMWISE_TRY(const auto settings, home.settings());
-  const auto stored = settings.find(setting_of(file.fingerprint));
+  const auto stored = settings.find(setting_of(file.sha256));
   if (stored == settings.end()) return check;
   ROOMWISE_TRY(const std::string now, preprocessing_now(file));
   ROOMWISE_TRY(StoredCheck read, parse_check(stored->second, home.file() + ": " + stored->first));
@@ -169,6 +170,19 @@ Expected<NetworkFile> in_precision(const home::Home& home, NetworkFile file,
     if (are_in_floats) return file;
   }
   return network::in_eight_bits(std::move(file), *std::move(check->eight_bits));
+}
+
+Expected<NetworkFile> known_as_before(const home::Home& home, NetworkFile file,
+                                      const std::filesystem::path& weights) {
+  const auto brought = std::ranges::find(network::built_in_cards(), weights.stem().string(),
+                                         &network::BuiltInText::name);
+  if (file.card.own.empty() || file.eight_bits || brought != network::built_in_cards().end())
+    return file;
+  ROOMWISE_TRY(const bool is_known, is_known_in_floats(home, file.fingerprint));
+  if (is_known) return file;
+  ROOMWISE_TRY(const bool was_known, is_known_in_floats(home, file.sha256));
+  if (was_known) file.fingerprint = file.sha256;
+  return file;
 }
 
 }  // namespace roomwise::pipeline

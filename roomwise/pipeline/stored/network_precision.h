@@ -61,4 +61,11 @@ struct PrecisionCheck {
                                                           network::NetworkFile file,
                                                           NetworkPrecision precision);
 
+// A home that was made when cards did not count knows a network with a card of one's own by its
+// weights alone: it is known so there on. Not where Roomwise brings a card of this file along, by
+// which it may have looked.
+[[nodiscard]] Expected<network::NetworkFile> known_as_before(const home::Home& home,
+                                                             network::NetworkFile file,
+                                                             const std::filesystem::path& weights);
+
 }  // namespace roomwise::pipeline

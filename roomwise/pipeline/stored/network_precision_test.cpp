@@ -88,6 +88,20 @@ TEST_F(NetworkPrecisionTest, IsThatOfTheCheckThatTheHomeKeeps) {
   EXPECT_EQ(check(200, 3).eight_bits->fingerprint(), looking->fingerprint) << "by three threads";
 }
 
+TEST_F(NetworkPrecisionTest, AHomeThatKnowsANetworkByItsWeightsAloneGoesOnSo) {
+  const auto known = [&](const std::string& name) {
+    return known_as_before(home_, file(), name).value().fingerprint;
+  };
+  const std::string own = file().fingerprint;
+  ASSERT_NE(own, file().sha256);
+  EXPECT_EQ(known("tiny.onnx"), own) << "it is new";
+  ASSERT_OK(home_.put_room_classifier({"tiny", file().sha256, {1}, "{}"}));
+  EXPECT_EQ(known("tiny.onnx"), file().sha256);
+  EXPECT_EQ(known("roomwise-compact-2.onnx"), own) << "it may have looked by the card that comes";
+  ASSERT_OK(home_.add_network({"tiny", own, {}, 40}));
+  EXPECT_EQ(known("tiny.onnx"), own);
+}
+
 TEST_F(NetworkPrecisionTest, IsFloatsWherePicturesAreFew) {
   const PrecisionCheck made = check(79);
   EXPECT_FALSE(made.eight_bits);
