@@ -563,8 +563,7 @@ std::optional<Prompt> Guidance::end_unseen() {
   }
   if (auto prompt = say_of_goal(Confidence::kProbable)) return prompt;
   if (silent_for_s() < way_.options().remind_s) return std::nullopt;
-  state_ = State::kArrived;
-  return say({"guide.there_unseen", values}, Confidence::kUnsure);
+  return say_end(State::kArrived, {"guide.there_unseen", values}, Confidence::kUnsure);
 }
 
 // "guide.lost_wait" asks who walks to stand, the others for a slow turn.
@@ -628,7 +627,10 @@ std::optional<Prompt> Guidance::by_rooms() {
     state_ = State::kArrived;
   }
   const auto phrase = rooms_phrase(goal(), rooms);
-  return phrase ? std::optional(say(*phrase, Confidence::kSure, kRoomValid_s)) : std::nullopt;
+  if (!phrase) return std::nullopt;
+  Prompt prompt = say(*phrase, Confidence::kSure, kRoomValid_s);
+  if (is_over()) said_.end = prompt.text;
+  return prompt;
 }
 
 // To who asks: no picture tells where they are. Who was seen a moment ago waits for the next one;
@@ -646,6 +648,13 @@ Prompt Guidance::no_place() {
 
 // ---- the end ----
 
+Prompt Guidance::say_end(State end, const Phrase& phrase, Confidence confidence) {
+  state_ = end;
+  Prompt prompt = say(phrase, confidence);
+  said_.end = prompt.text;
+  return prompt;
+}
+
 // Who walks on would not be there any more when they have heard it.
 Prompt Guidance::arrive_or_stop(const Pose& pose) {
   const bool walks_past = track_.is_walking() && !way_.comes_to_rest(pose);
@@ -653,16 +662,14 @@ Prompt Guidance::arrive_or_stop(const Pose& pose) {
 }
 
 Prompt Guidance::arrive(const Pose& pose) {
-  state_ = State::kArrived;
-  Prompt prompt = say(there_phrase(goal(), pose));
+  Prompt prompt = say_end(State::kArrived, there_phrase(goal(), pose), Confidence::kSure);
   prompt.sound = Sound::kBack;
   return prompt;
 }
 
 // As near as the way is known: the rest by direction, or by rooms.
 Prompt Guidance::end_of_way() {
-  state_ = State::kNearest;
-  return say({"guide.near_end"}, Confidence::kUnsure);
+  return say_end(State::kNearest, {"guide.near_end"}, Confidence::kUnsure);
 }
 
 std::optional<Prompt> Guidance::say_of_goal(Confidence confidence) {
@@ -706,8 +713,11 @@ std::optional<Prompt> Guidance::finish() {
              is_sure ? Confidence::kSure : Confidence::kProbable);
 }
 
-// To who asks after the end of the way.
-Prompt Guidance::say_end_again(const Pose* pose) {
+// To who asks after the end of the way. Who only did not hear it need not be seen again.
+Prompt Guidance::say_end_again(const Pose* pose, GuidanceRequest request) {
+  if (pose == nullptr && request == GuidanceRequest::kRepeat && !said_.end.empty()) {
+    return say({"repeat.earlier", {{"text", said_.end}}});
+  }
   said_.of_end = goal().kind == Goal::Kind::kRoom ? 1 : 0;
   return pose == nullptr ? no_place() : state_ == State::kArrived ? arrive(*pose) : end_of_way();
 }
@@ -743,7 +753,7 @@ Prompt Guidance::end_without_goal(TimestampNs now_ns) {
 // Of the way.
 Prompt Guidance::answer(GuidanceRequest request) {
   const Pose* const pose = track_.pose(now_ns());
-  if (is_over()) return say_end_again(pose);
+  if (is_over()) return say_end_again(pose, request);
   const bool is_how_far = request == GuidanceRequest::kHowFar;
   if (state_ == State::kPaused && !is_how_far) return say({"guide.paused"});
   if (pose == nullptr || state_ == State::kByRooms) {
@@ -760,11 +770,14 @@ Prompt Guidance::answer(GuidanceRequest request) {
         {"guide.far",
          {{"goal", Nouns{goal().noun}}, {"distance", wording_.distance(way_.left_m(*pose))}}});
   }
-  if (request == GuidanceRequest::kNext) {
+  if (state_ == State::kStairs) return say_stairs();  // in the way are the steps themselves
+  // To who stands, turns or is past its end, what comes after the leg is not what to do next.
+  const bool follows_leg =
+      state_ == State::kWalking && way_.has_legs() && way_.left_on_leg_m(*pose) >= kLegEnd_m;
+  if (request == GuidanceRequest::kNext && follows_leg) {
     const auto phrase = what_comes_next(*pose);
     return phrase ? say(*phrase) : act(*pose);
   }
-  if (state_ == State::kStairs) return say_stairs();  // in the way are the steps themselves
   return request == GuidanceRequest::kBlocked ? blocked(*pose) : act(*pose);
 }
 

@@ -118,7 +118,8 @@ class Guidance {
                                    double valid_s = kDirectionValid_s);
   [[nodiscard]] Prompt say_lost(const char* message);
   [[nodiscard]] Prompt say_stairs();
-  [[nodiscard]] Prompt say_end_again(const Pose* pose);
+  [[nodiscard]] Prompt say_end(State end, const Phrase& phrase, Confidence confidence);
+  [[nodiscard]] Prompt say_end_again(const Pose* pose, GuidanceRequest request);
   [[nodiscard]] bool is_speaking() const { return now_ns() < said_.until_ns; }
   [[nodiscard]] double silent_for_s() const { return seconds_between(said_.until_ns, now_ns()); }
   // To the leg's end when so many seconds of words have been heard, in words.
@@ -180,6 +181,7 @@ class Guidance {
     int of_beginning = 0, of_end = 0;  // how much
     bool what_comes_next = false;      // after this leg
     bool reminder = false;             // of what to do now
+    std::string end;                   // the words of it
   };
   struct Line {  // of the leg, to which they keep or do not
     std::optional<TimestampNs> off_since_ns;

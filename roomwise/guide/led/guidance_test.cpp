@@ -1147,6 +1147,32 @@ TEST_F(GuidanceTest, WhoAsksOnceTheyAreThereHearsThatAndIsNotAskedToTurn) {
   }
 }
 
+TEST_F(GuidanceTest, WhoDidNotHearTheEndHearsItAgainThoughNobodySeesThem) {
+  lead_to(room("kitchen"), {1, 3.45}, 0);
+  (void)hear(7);
+  (void)hear(8, 0.6);
+  ASSERT_EQ(guidance_->state(), State::kArrived);
+  is_seen_ = false;
+  (void)hear(25);
+  EXPECT_EQ(ask(GuidanceRequest::kRepeat), "Earlier: You are there, in the kitchen.");
+  EXPECT_EQ(guidance_->state(), State::kArrived);
+}
+
+TEST_F(GuidanceTest, WhatIsNextIsWhatToDoUnlessTheyWalkALeg) {
+  lead_to(room("kitchen"), {1, 3.45}, kPi);
+  (void)hear(9);
+  ASSERT_EQ(guidance_->state(), State::kTurning);
+  EXPECT_EQ(ask(GuidanceRequest::kNext), "Turn around.") << "not what comes after the leg";
+  (void)hear(2, 0, kPi / 2);
+  (void)hear(4);
+  ASSERT_EQ(guidance_->state(), State::kWalking);
+  EXPECT_EQ(ask(GuidanceRequest::kNext), "In 6 steps: through the door.");
+  obstacle_m_ = 0.6;
+  EXPECT_THAT(hear(1, 0.4), ::testing::Contains(StartsWith("Stop.")));
+  ASSERT_EQ(guidance_->state(), State::kStopped);
+  EXPECT_THAT(ask(GuidanceRequest::kNext), Not(HasSubstr("through the door")));
+}
+
 TEST_F(GuidanceTest, AskingUnseenDoesNotEndAPause) {
   lead_to(room("kitchen"), {1, 3.45}, 0);
   (void)hear(8);
