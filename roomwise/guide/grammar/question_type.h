@@ -20,6 +20,7 @@ enum class QuestionType {
   kWhichRooms,
   kWhichWay,
   kWhatIsAhead,
+  kSomethingAhead,  // that there is something, or whether: a guide hears kBlocked
   kWhatChanged,
   kDescribeRoom,
   kRepeat,
@@ -48,7 +49,7 @@ enum class QuestionType {
 };
 
 // As catalogues call them.
-constexpr std::array<std::pair<std::string_view, QuestionType>, 36> kQuestionTypes{
+constexpr std::array<std::pair<std::string_view, QuestionType>, 37> kQuestionTypes{
     {{"where_am_i", QuestionType::kWhereAmI},
      {"around_me", QuestionType::kAroundMe},
      {"where_is", QuestionType::kWhereIs},
@@ -60,6 +61,7 @@ constexpr std::array<std::pair<std::string_view, QuestionType>, 36> kQuestionTyp
      {"which_rooms", QuestionType::kWhichRooms},
      {"which_way", QuestionType::kWhichWay},
      {"what_is_ahead", QuestionType::kWhatIsAhead},
+     {"something_ahead", QuestionType::kSomethingAhead},
      {"what_changed", QuestionType::kWhatChanged},
      {"describe_room", QuestionType::kDescribeRoom},
      {"repeat", QuestionType::kRepeat},

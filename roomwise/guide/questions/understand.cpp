@@ -238,4 +238,9 @@ Understood in_answer_to(const Understood& offer, Understood said) {
   return said;
 }
 
+Understood while_led(Understood said) {
+  if (said.type == QuestionType::kSomethingAhead) said.type = QuestionType::kBlocked;
+  return said;
+}
+
 }  // namespace roomwise::guide

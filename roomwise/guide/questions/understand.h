@@ -61,5 +61,7 @@ constexpr std::size_t kMaxQuestionBytes = 500;
 // What is meant by "yes", or by a name alone, after an `offer` (kDidYouMean, kWhichOne; a room's
 // after kWhichRoom and kWhichDoor); else `said` as it is.
 [[nodiscard]] Understood in_answer_to(const Understood& offer, Understood said);
+// What is meant by who is led: "there is something ahead" then says that they cannot go on.
+[[nodiscard]] Understood while_led(Understood said);
 
 }  // namespace roomwise::guide

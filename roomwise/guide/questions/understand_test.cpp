@@ -215,11 +215,42 @@ TEST(UnderstandTest, WhatPeopleAskOfAHomeIsUnderstoodInEveryLanguage) {
         "de:was ist neu", "es:qué ha cambiado aquí", "es:qué ha cambiado",
         "fr:qu'est-ce qui a changé ici", "fr:qu'est-ce qui a changé"}},
       {"what_is_ahead",
-       {"en:how far is the wall", "en:what is ahead", "en:how far is it to the wall",
-        "de:wie weit ist die Wand", "de:was ist vor mir", "de:wie weit ist es bis zur Wand",
-        "es:a qué distancia está la pared", "es:qué hay delante", "es:cuánto falta hasta la pared",
-        "fr:à quelle distance est le mur", "fr:qu'y a-t-il devant moi",
-        "fr:quelle est la distance jusqu'au mur"}},
+       {"en:how far is the wall",
+        "en:what is ahead",
+        "en:how far is it to the wall",
+        "de:wie weit ist die Wand",
+        "de:was ist vor mir",
+        "de:wie weit ist es bis zur Wand",
+        "es:a qué distancia está la pared",
+        "es:qué hay delante",
+        "es:cuánto falta hasta la pared",
+        "fr:à quelle distance est le mur",
+        "fr:qu'y a-t-il devant moi",
+        "fr:quelle est la distance jusqu'au mur",
+        "en:what is in the way",
+        "en:what's in my way",
+        "en:is there something in the way",
+        "de:was steht im Weg",
+        "de:was ist da im Weg",
+        "es:qué hay en el camino",
+        "es:qué bloquea el camino",
+        "fr:qu'y a-t-il sur le chemin",
+        "fr:qu'est-ce qui bloque le passage",
+        "fr:y a-t-il quelque chose devant moi"}},
+      {"something_ahead",
+       {"en:there is something in front of me", "en:there's an obstacle in the way",
+        "de:vor mir steht etwas", "de:da ist etwas im Weg", "es:hay algo delante",
+        "es:¿Hay algo delante de mí?", "es:hay un obstáculo en el camino",
+        "fr:il y a quelque chose devant moi", "fr:il y a un obstacle sur le chemin"}},
+      {"blocked",
+       {"en:I am stuck", "en:I'm stuck", "en:something is in my way", "en:I can't go on",
+        "de:ich stecke fest", "de:ich komme hier nicht weiter", "de:ich kann nicht weiter",
+        "es:estoy atascada", "es:me he quedado atrapado", "es:no puedo avanzar",
+        "fr:je suis coincé", "fr:je suis bloquée", "fr:je ne peux plus avancer"}},
+      {"how_far",
+       {"en:how far is it still", "en:how far is it", "en:how far is it to go", "en:how far still",
+        "de:wie weit ist es noch", "de:wie weit muss ich noch", "es:cuánto falta todavía",
+        "es:¿A qué distancia está?", "fr:c'est encore loin", "fr:est-ce encore loin"}},
       {"what_is_in kitchen",
        {"en:what is in the kitchen", "de:was ist in der Küche", "es:qué hay en la cocina",
         "fr:qu'y a-t-il dans la cuisine"}},
@@ -242,6 +273,17 @@ TEST(UnderstandTest, WhatPeopleAskOfAHomeIsUnderstoodInEveryLanguage) {
       EXPECT_EQ(told(hear(text.substr(3), text.substr(0, 2))), meaning) << text;
     }
   }
+}
+
+// The same words ask in some languages, and tell in all.
+TEST(UnderstandTest, WhoIsLedAndTellsOfSomethingAheadCannotGoOn) {
+  for (const auto& [language, text] :
+       {std::pair("en", "there is something ahead"), std::pair("de", "da ist etwas im Weg"),
+        std::pair("es", "hay algo delante"), std::pair("fr", "il y a quelque chose devant moi")}) {
+    EXPECT_EQ(told(while_led(hear(text, language))), "blocked") << text;
+  }
+  EXPECT_EQ(told(while_led(hear("what is ahead"))), "what_is_ahead");
+  EXPECT_EQ(told(while_led(hear("where is the bed"))), "where_is bed");
 }
 
 TEST(UnderstandTest, ThingsThatWereTaughtAreKnownByTheirNames) {

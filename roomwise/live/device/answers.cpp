@@ -326,6 +326,7 @@ std::optional<service::Question> question_of(guide::QuestionType type, bool is_r
     case QuestionType::kWhichWay:
       return Question::kWhichWay;
     case QuestionType::kWhatIsAhead:
+    case QuestionType::kSomethingAhead:
       return Question::kWhatIsAhead;
     case QuestionType::kWhatChanged:
       return Question::kWhatChanged;

@@ -312,14 +312,17 @@ void Device::understand(const Asked& asked) {
   const guide::HomeNames names = names_in(*view);
   guide::Wording wording;
   guide::Understood offered;
+  bool led = false;
   {
     const std::scoped_lock lock(mutex_);
+    led = is_led();
     wording = wording_of(settings_);
     offered = std::exchange(offered_, {});
     if (in_words.t_ms > offered_until_t_ms_) offered = {};
   }
   guide::Understood heard =
       guide::in_answer_to(offered, guide::understand(in_words.subject, wording.phrases(), names));
+  if (led) heard = guide::while_led(std::move(heard));
   if (const auto ask = ask_of(heard, in_words)) {
     const guide::UserLocation location = location_now(in_words.t_ms);
     auto rooms = rooms_to_choose(*ask, *view, location, wording);
