@@ -296,8 +296,8 @@ TEST_F(StairsTest, AreToldInEveryLanguageWithTheRightPlural) {
   way.stairs.steps = 1;
   way.stairs.has_right_rail = false;
   EXPECT_EQ(in("en"), "Stairs up, 1 step.");
-  EXPECT_EQ(in("de"), "Treppe hinauf, 1 Stufe.");
-  EXPECT_EQ(in("fr"), "Escalier qui monte, 1 marche.");
+  EXPECT_EQ(in("de"), "Treppe hinauf, eine Stufe.");
+  EXPECT_EQ(in("fr"), "Escalier qui monte, une marche.");
   way.stairs.steps = 0;
   EXPECT_EQ(in("en"), "Stairs up.") << "where the steps could not be counted";
 }

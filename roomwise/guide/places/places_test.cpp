@@ -98,7 +98,7 @@ TEST(WordingTest, DistancesInStepsAndMetres) {
   EXPECT_EQ(steps.distance(1.9), "3 steps");
   const Wording metres{&catalogue, {"de", DistanceUnit::kMetres, 0.6}};
   EXPECT_EQ(metres.distance(0.1), "0,5 Meter");
-  EXPECT_EQ(metres.distance(1.1), "1 Meter");
+  EXPECT_EQ(metres.distance(1.1), "ein Meter");
   EXPECT_EQ(metres.distance(2.3), "2,5 Meter");
 }
 

@@ -92,6 +92,7 @@ Expected<Phrasebook> Phrasebook::parse(std::string_view text,
     file.at("decimal").get_to(book.decimal_);
     file.at("months").get_to(book.months_);
     file.at("and").get_to(book.and_);
+    book.and_before_ = file.value("and_before", book.and_before_);
     file.at("rooms").get_to(book.rooms_);
     file.at("goals").get_to(book.things_);
     auto grammar = Grammar::parse(file.at("questions"));
@@ -237,6 +238,9 @@ std::string Phrasebook::count(const std::string& unit, double number) const {
   const bool is_whole = std::fmod(tenths, 10) == 0;
   std::string digits = is_whole ? fmt::format("{:.0f}", tenths / 10)
                                 : replaced(fmt::format("{:.1f}", tenths / 10), ".", decimal_);
+  // A number whose word has a gender is written out: voices read "1 marche" as "un marche".
+  const auto exactly_one = texts.find("=1");
+  if (tenths == 10 && exactly_one != texts.end()) return exactly_one->second;
   const bool is_one = tenths == 10 || (singular_ == kBelowTwo && tenths >= 0 && tenths < 20);
   // Where 1.5 is singular, so is its text, but for the number in it.
   const std::string& text = texts.at(is_one ? "one" : "other");
@@ -322,11 +326,21 @@ std::string Phrasebook::in_form(const std::string& form, const Noun& noun) const
   return replaced(is_numbered ? numbered->second : patterns.at(word->word_class), "{}", spoken);
 }
 
+// Spanish "y" becomes "e" before its own sound. Longer beginnings come later, and count.
+const std::string& Phrasebook::and_for(const std::string& next) const {
+  const std::string* fitting = &and_;
+  for (const auto& [beginning, word] : and_before_) {
+    if (lower(next).starts_with(beginning)) fitting = &word;
+  }
+  return *fitting;
+}
+
 std::string Phrasebook::list(const std::string& form, const Nouns& nouns) const {
   std::string result;
   for (std::size_t i = 0; i < nouns.size(); ++i) {
-    if (i > 0) result += i + 1 < nouns.size() ? ", " : " " + and_ + " ";
-    result += in_form(form, nouns[i]);
+    const std::string noun = in_form(form, nouns[i]);
+    if (i > 0) result += i + 1 < nouns.size() ? ", " : " " + and_for(noun) + " ";
+    result += noun;
   }
   return result;
 }

@@ -49,10 +49,12 @@ struct Phrase {
 //   rooms     the home's word -> its name here, its class, any forms of its own, and under "also"
 //             what else people call it (objects::SpokenName). Things have theirs in kinds.json.
 //   goals     the same for what one is led to or through that is no thing: the way out, a wide
-//   door. questions how one asks: grammar/grammar.h. counts    unit -> "one", "other" ("{n}
-//   steps"); singular: the numbers of "one", "1" or "below 2"
-//             (CLDR's rules of plurals); decimal: the sign in 1.5; and: of lists; months: their
-//             names.
+//             door.
+//   questions how one asks: grammar/grammar.h.
+//   counts    unit -> "one", "other" ("{n} steps"), and "=1" for just that number where "one" is
+//             for others, too; singular: the numbers of "one", "1" or "below 2" (CLDR's rules of
+//             plurals); decimal: the sign in 1.5; and: of lists; and_before: how the
+//             next word begins -> its "and" there, where that is another; months: their names.
 class Phrasebook {
  public:
   // Fails on anything that is missing, of a wrong type or unknown, and names it.
@@ -103,6 +105,7 @@ class Phrasebook {
   [[nodiscard]] const Words& words_of(Noun::Kind kind) const;
   [[nodiscard]] const Word* find(const Noun& noun) const;
   [[nodiscard]] std::string in_form(const std::string& form, const Noun& noun) const;
+  [[nodiscard]] const std::string& and_for(const std::string& next) const;
   [[nodiscard]] std::string list(const std::string& form, const Nouns& nouns) const;
   [[nodiscard]] Expected<void> validate() const;
   [[nodiscard]] Expected<void> validate(const std::string& word, const Word& description) const;
@@ -112,6 +115,7 @@ class Phrasebook {
   std::map<std::string, std::string> messages_;
   std::map<std::string, std::map<std::string, std::string>> forms_;
   std::map<std::string, std::map<std::string, std::string>> counts_;
+  std::map<std::string, std::string> and_before_;  // by how the next word begins
   std::string singular_;
   std::string decimal_;
   std::vector<std::string> months_;
