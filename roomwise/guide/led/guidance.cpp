@@ -499,12 +499,14 @@ std::optional<Prompt> Guidance::on_stairs(const Pose& pose) {
     return say({is_up ? "stairs.upstairs" : "stairs.downstairs"});
   }
   const Vector2d& begin = is_up ? stairs.below_plan : stairs.above_plan;
-  if (!is_at_goal && storeys.stairs_at(here) == nullptr && (here - begin).norm() > kLeft_m) {
+  // Who rests on the steps needs no reminder of them.
+  const bool is_before = !is_at_goal && storeys.stairs_at(here) == nullptr;
+  if (is_before && (here - begin).norm() > kLeft_m) {
     stairs_.reset();
     return act(pose);
   }
   const bool waits = track_.is_standing() && silent_for_s() > way_.options().remind_s;
-  if (said_.reminder || !waits) return std::nullopt;
+  if (said_.reminder || !is_before || !waits) return std::nullopt;
   said_.reminder = true;
   return say_stairs();
 }

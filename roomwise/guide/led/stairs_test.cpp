@@ -183,6 +183,17 @@ TEST_F(StairsTest, AreStoppedBeforeAndToldWithStepsAndRailAndThenThatOneIsUpstai
   EXPECT_THAT(said, Contains("You are upstairs."));
 }
 
+TEST_F(StairsTest, AreToldAgainToWhoStandsBeforeThemAndNotToWhoRestsOnThem) {
+  for (const double x : {5.2, 7.5, 28.0}) {  // the last one over the upper floor
+    lead_to("landing", {5.2, 1}, 0);
+    hear(7);
+    ASSERT_EQ(guidance_->state(), Guidance::State::kStairs);
+    place_.x() = x;
+    hear(4);
+    EXPECT_EQ(hear(12).empty(), x > 6) << x;
+  }
+}
+
 TEST_F(StairsTest, AreToldDownwardsWithTheRailOnTheOtherSide) {
   lead_to("hall", {32, 1}, std::numbers::pi);
   hear(9);
