@@ -105,10 +105,19 @@ class Planner {
     const bool any_side = goal_.kind == Goal::Kind::kDoor;
     const bool must_be_inside = knows_room && !any_side;
     if (must_be_inside && map_.room_at(place) != goal_.room) return std::nullopt;
+    // An arm reaches through no wall.
+    if (any_side && map_.layout != nullptr && !is_in_room_of_door(place)) return std::nullopt;
     // Rather a little farther from it than between two rooms.
     constexpr double kBetween_m = 0.3;
     const bool is_between = must_be_inside && !is_well_inside(map_, *goal_.room, place);
     return options_.reach_weight * (distance_m + (is_between ? kBetween_m : 0));
+  }
+
+  [[nodiscard]] bool is_in_room_of_door(const Vector2d& place) const {
+    const auto room = map_.room_at(place);
+    return room && std::ranges::any_of(map_.doorways, [&](const rooms::Doorway& doorway) {
+             return doorway.middle_plan == goal_.outline->middle_plan && doorway.joins(*room);
+           });
   }
 
   // Inside, beyond the door; where the room is smaller than that, as far in as there is floor.

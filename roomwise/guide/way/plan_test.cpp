@@ -132,6 +132,29 @@ TEST_F(TwoRoomsTest, ADoorIsReachedFromWhereOneIs) {
   }
 }
 
+// A hall lies behind the wall at whose end the door stands; one comes from there by the bedroom.
+TEST(PlanTest, ADoorIsReachedFromOneOfItsRoomsAndThroughNoWall) {
+  const FloorGrid grid = Floor(81, 80)
+                             .fill({40, 1}, {41, 30}, FloorCell::kOccupied)
+                             .fill({10, 39}, {80, 40}, FloorCell::kOccupied)
+                             .grid();
+  rooms::WalkedPath below, hall;
+  for (double x = 0.6; x < 7.7; x += 0.25) {
+    below.push_back({{x, 3.45}, x < 4 ? "bedroom" : "kitchen"});
+    hall.push_back({{x, 5}, "hall"});
+  }
+  const auto layout = rooms::RoomLayout::make(grid, std::vector{below, hall}).value();
+  const auto doorways = layout.doorways();
+  const auto door = std::ranges::find_if(doorways, [](const rooms::Doorway& one) {
+    return one.joins("bedroom") && one.joins("kitchen");
+  });
+  ASSERT_NE(door, doorways.end());
+  const Plan plan =
+      plan_way({&grid, &layout, doorways, {}}, standing_at({4.05, 4.3}), Goal::of(*door));
+  EXPECT_EQ(plan.status, PlanStatus::kComplete);
+  EXPECT_NE(layout.room_at(plan.route.back()), "hall");
+}
+
 // It stands in the wall between the rooms, which is along y.
 TEST_F(TwoRoomsTest, ADoorIsAsWideAsItIsAndLiesAlongItsWall) {
   const Outline door = *Goal::of(layout.doorways()[0]).outline;
