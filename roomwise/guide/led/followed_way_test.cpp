@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "roomwise/guide/places/surfaces.h"
 #include "roomwise/guide/testing/drawn_floor.h"
 #include "roomwise/guide/testing/test_times.h"
 
@@ -49,6 +50,24 @@ TEST_F(FollowedWayTest, ItsFirstLegEndsAtTheDoor) {
   EXPECT_GT(way.left_m(before_door), way.left_on_leg_m(before_door) + 0.3);
   way.take_next_leg();
   EXPECT_EQ(way.place_at_end()->name, "kitchen");
+}
+
+TEST_F(FollowedWayTest, WhatStandsInAnotherRoomIsNoLandmark) {
+  KnownThing shelf;
+  shelf.name = "bookcase";
+  shelf.probability = 0.95;
+  shelf.box_keyframe.size_m = {0.3, 0.6, 1.8};
+  shelf.position_plan = Eigen::Vector3d(4.3, 2.9, 0.9);
+  const Vector2d behind_the_wall(3.9, 2.9);
+  const auto is_named = [&](const std::optional<std::string>& room) {
+    shelf.room = room;
+    const HomeMap map{&grid_, &layout_, layout_.doorways(), {&shelf, 1}};
+    return nearest_sure_thing(behind_the_wall, kHand_m, map) != nullptr;
+  };
+  ASSERT_EQ(layout_.room_at(behind_the_wall), "bedroom");
+  EXPECT_TRUE(is_named("bedroom"));
+  EXPECT_FALSE(is_named("kitchen"));
+  EXPECT_TRUE(is_named(std::nullopt)) << "where nobody knows of which it is";
 }
 
 TEST_F(FollowedWayTest, ToTheLeftIsPositive) {

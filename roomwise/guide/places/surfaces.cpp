@@ -65,8 +65,10 @@ const KnownThing* thing_at(const Eigen::Vector2d& place_plan, const HomeMap& map
 const KnownThing* nearest_sure_thing(const Eigen::Vector2d& place_plan, double within_m,
                                      const HomeMap& map) {
   const KnownThing* nearest = nullptr;
+  const auto here = map.room_at(place_plan);
   for (const KnownThing& thing : map.things) {
     if (!thing.position_plan || !thing.is_sure(map.today)) continue;
+    if (here && thing.room && thing.room != here) continue;
     const double distance_m = outline_of(thing).distance_m(place_plan);
     if (distance_m >= within_m) continue;
     within_m = distance_m;

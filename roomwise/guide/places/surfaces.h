@@ -24,7 +24,8 @@ namespace roomwise::guide {
 // and does not lie on something else the nearest, else the largest. nullptr: nothing is known.
 [[nodiscard]] const KnownThing* thing_at(const Eigen::Vector2d& place_plan, const HomeMap& map);
 
-// Of the sure things the nearest to a place that is nearer than that; nullptr: there is none.
+// Of the sure things, those of another room than the place's apart, the nearest that is nearer than
+// that; nullptr: there is none.
 [[nodiscard]] const KnownThing* nearest_sure_thing(const Eigen::Vector2d& place_plan,
                                                    double within_m, const HomeMap& map);
 
