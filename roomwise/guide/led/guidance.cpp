@@ -250,6 +250,8 @@ Prompt Guidance::act(const Pose& pose) {
     return say_stairs();
   }
   state_ = State::kWalking;
+  // Nobody is sent into what stands before them already.
+  if (auto warning = hazard(pose)) return *std::move(warning);
   if (length_m < kSmallStep_m) return say({"guide.small_step"});
   // Who is told how far the goal is from so near needs no second word of it.
   if (way_.is_last_leg() && length_m <= way_.options().announce_from_m) {
@@ -432,8 +434,9 @@ std::optional<Prompt> Guidance::stopped(const Pose& pose) {
     Prompt other_way = act(pose);
     return way_.leads_to_goal() ? other_way : end_of_way();
   }
+  const bool was_hazard = std::exchange(barred_.by_hazard, false);
   Prompt prompt = act(pose);
-  if (!std::exchange(barred_.by_hazard, false) || way_.leads_to_goal()) return prompt;
+  if (!was_hazard || way_.leads_to_goal()) return prompt;
   // Not around it, and it may go, as people do: the way of before holds again after a while.
   // What does not go is passed to the freer side, if at all.
   floor_.clear();

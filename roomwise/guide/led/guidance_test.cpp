@@ -422,6 +422,23 @@ TEST_F(GuidanceTest, StopsBeforeWhatStandsInTheWayAndLeadsAroundIt) {
               AnyOf(StartsWith("guide.turn_hour_"), "guide.little_left", "guide.little_right"));
 }
 
+TEST_F(GuidanceTest, NobodyIsSentIntoWhatStandsBeforeThem) {
+  grid_ = testing::Floor(140, 24).grid();
+  has_rooms_ = false;
+  lead_to(bed_at({13, 1.2}, "hall"), {0.6, 1.2}, 0);
+  obstacle_m_ = 0.8;
+  EXPECT_THAT(hear(1), ElementsAre(StartsWith("To the bed")));
+  std::vector<Prompt> said;
+  while (said.empty()) said = go(0.2);
+  EXPECT_EQ(said[0].text, "Stop. Something is in the way.");
+  EXPECT_EQ(said[0].priority, Priority::kHazard);
+  obstacle_m_.reset();
+  const auto then = go(4);
+  ASSERT_FALSE(then.empty());
+  EXPECT_THAT(then[0].message_id,
+              AnyOf(StartsWith("guide.turn_hour_"), StartsWith("guide.little")));
+}
+
 // They walk past a table that the map knows, whose edge is at y = 1.1 m.
 class PastATable : public GuidanceTest {
  protected:
