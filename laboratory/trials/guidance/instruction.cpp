@@ -58,8 +58,12 @@ Instruction understand(const guide::Prompt& prompt, const guide::Wording& wordin
   const auto number = [&](std::size_t i) { return i < numbers.size() ? numbers[i] : 0; };
   const auto is = [&](std::string_view start) { return message.starts_with(start); };
   if (is("guide.turn_")) return {Kind::kTurn, turn_of(message, number(0)), 0};
-  if (message == "guide.little_left") return {Kind::kLittle, kLittle_rad, 0};
-  if (message == "guide.little_right") return {Kind::kLittle, -kLittle_rad, 0};
+  if (message == "guide.little_left" || message == "guide.try_left") {
+    return {Kind::kLittle, kLittle_rad, 0};
+  }
+  if (message == "guide.little_right" || message == "guide.try_right") {
+    return {Kind::kLittle, -kLittle_rad, 0};
+  }
   if (is("guide.walk") || is("guide.more") || message == "guide.through") {
     return {Kind::kWalk, 0, metres_of(number(0), wording)};
   }

@@ -117,10 +117,10 @@ Prompt Guidance::stop(const Phrase& phrase) {
   return prompt;
 }
 
-Prompt Guidance::turn(const Pose& pose, double turn_rad) {
+Prompt Guidance::turn(const Pose& pose, const Phrase& phrase) {
   state_ = State::kTurning;
   turn_from_rad_ = pose.heading_rad;
-  return say_to_turn(turn_phrase(turn_rad));
+  return say_to_turn(phrase);
 }
 
 // ---- what happens ----
@@ -241,9 +241,9 @@ Prompt Guidance::act(const Pose& pose) {
   const auto side_to_try = std::exchange(barred_.side_to_try, std::nullopt);
   const double turn_rad = way_.bearing_error_rad(pose);
   const double enough_rad = side_to_try ? kPrecise_rad : straight_enough_rad(length_m);
-  if (std::abs(turn_rad) > enough_rad) return turn(pose, turn_rad);
+  if (std::abs(turn_rad) > enough_rad) return turn(pose, turn_phrase(turn_rad));
   // As it should be, and barred: there may be more room to one side.
-  if (side_to_try) return turn(pose, *side_to_try * kPrecise_rad);
+  if (side_to_try) return turn(pose, {*side_to_try > 0 ? "guide.try_left" : "guide.try_right"});
   if (leg.stairs) {
     stairs_ = leg.stairs;
     state_ = State::kStairs;
@@ -455,27 +455,24 @@ Prompt Guidance::blocked(const Pose& pose) {
   // is the door.
   const bool is_near = way_.leads_to_goal() && way_.is_last_leg() && way_.is_in_goal_room(pose) &&
                        way_.left_m(pose) < 2 * kLegEnd_m;
-  if (is_near) {
-    // Unless they are farther from it than they could be, and have not tried yet.
-    if (way_.is_in_reach(pose) || floor_.was_barred_at(pose)) return arrive(pose);
-    floor_.count_try(pose);
-  }
+  // Unless they are farther from it than they could be, and have not tried yet.
+  if (is_near && (way_.is_in_reach(pose) || floor_.was_barred_at(pose))) return arrive(pose);
+  floor_.count_try(pose);
+  const bool may_try = floor_.tries() <= kMaxTries;
   constexpr double kHandsBreadth_m = 0.1;
   const BarredFloor known = floor_;
   for (const double radius_m : {way_.options().body_radius_m, kHandsBreadth_m}) {
     floor_ = known;
     floor_.bar_ahead(pose, radius_m, now_ns());
     Prompt prompt = act(pose);
-    if (way_.leads_to_goal()) return prompt;
+    if (may_try && way_.leads_to_goal()) return prompt;
   }
-  // Not around it: the map holds again.
-  floor_.clear();
-  floor_.count_try(pose);
-  barred_.side_to_try = floor_.freer_side(pose);
   // Who comes no further after some tries is told what is left, and is not sent again.
-  if (floor_.tries() > kMaxTries) return end_of_way();
-  state_ = State::kStopped;
-  return say({"guide.no_way_around"}, Confidence::kUnsure);
+  if (!may_try) return end_of_way();
+  // Not around it: the map holds again, and they try beside it.
+  floor_.clear();
+  barred_.side_to_try = floor_.freer_side(pose);
+  return act(pose);
 }
 
 // ---- stairs ----

@@ -146,7 +146,7 @@ class Guidance {
   [[nodiscard]] bool finds_way(const Pose& pose);
   // Plans anew and says what to do now.
   [[nodiscard]] Prompt act(const Pose& pose);
-  [[nodiscard]] Prompt turn(const Pose& pose, double turn_rad);
+  [[nodiscard]] Prompt turn(const Pose& pose, const Phrase& phrase);
   [[nodiscard]] Prompt stop(const Phrase& phrase);
   [[nodiscard]] Prompt blocked(const Pose& pose);
   [[nodiscard]] bool walks_past_end(const Pose& pose) const;

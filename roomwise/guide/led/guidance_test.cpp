@@ -332,11 +332,11 @@ TEST_F(GuidanceTest, WhoComesNoFurtherInADoorIsLedBesideItAndThenToldTheRest) {
     obstacle_m_ = 4.05 - place_.x();
     const bool walks = guidance_->state() == State::kWalking && place_.x() < 3.3;
     for (const std::string& text : hear(0.4, walks ? 0.6 : 0)) said.push_back(text);
-    if (!said.empty() && said.back().starts_with("A little")) heading_rad_ = 0;
+    if (!said.empty() && said.back().starts_with("Try a little")) heading_rad_ = 0;
   }
   EXPECT_EQ(std::ranges::count(said, "Stop. The door is closed. Open it."), 1);
   EXPECT_THAT(said, ::testing::Contains("Stop. Something is in the way."));
-  EXPECT_THAT(said, ::testing::Contains(StartsWith("A little to the ")));
+  EXPECT_THAT(said, ::testing::Contains(StartsWith("Try a little to the ")));
   EXPECT_EQ(guidance_->state(), State::kNearest) << ::testing::PrintToString(said);
 }
 
@@ -349,7 +349,7 @@ TEST_F(GuidanceTest, WhoComesNoFurtherInADoorIsLedAnotherWayWhereThereIsOne) {
     obstacle_m_ = 4.05 - place_.x();
     const bool walks = guidance_->state() == State::kWalking && place_.x() < 3.3;
     for (const std::string& text : hear(0.4, walks ? 0.6 : 0)) said.push_back(text);
-    if (!said.empty() && said.back().starts_with("A little")) heading_rad_ = 0;
+    if (!said.empty() && said.back().starts_with("Try a little")) heading_rad_ = 0;
   }
   EXPECT_FALSE(guidance_->is_over()) << ::testing::PrintToString(said);
   EXPECT_THAT(said, ::testing::Contains("Stop. The door is closed. Open it."));
@@ -675,12 +675,12 @@ TEST_F(GuidanceTest, WhatNeverGoesIsTriedBesideAndThenTheRestIsTold) {
     obstacle_m_ = 0.8;
     for (const Prompt& prompt : go(0.4)) {
       said.push_back(prompt.text);
-      if (prompt.message_id.starts_with("guide.little_left")) heading_rad_ += 0.2;
-      if (prompt.message_id.starts_with("guide.little_right")) heading_rad_ -= 0.2;
+      if (prompt.message_id.starts_with("guide.try_left")) heading_rad_ += 0.2;
+      if (prompt.message_id.starts_with("guide.try_right")) heading_rad_ -= 0.2;
     }
   }
   EXPECT_EQ(guidance_->state(), State::kNearest) << ::testing::PrintToString(said);
-  EXPECT_THAT(said, ::testing::Contains(StartsWith("A little to the ")));
+  EXPECT_THAT(said, ::testing::Contains(StartsWith("Try a little to the ")));
   EXPECT_LE(std::ranges::count(said, "I know no way around it."), 5);
 }
 
@@ -1101,7 +1101,7 @@ TEST_F(GuidanceTest, WhatSomebodyFindsInTheWayIsGoneAround) {
   // The door is the only way.
   lead_to(room("kitchen"), {3.6, 3.45}, 0);
   (void)hear(8);
-  EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I know no way around it.");
+  EXPECT_THAT(ask(GuidanceRequest::kBlocked), StartsWith("Try a little to the "));
 }
 
 TEST_F(GuidanceTest, WhoIsBarredUnseenWaitsAndIsLedAroundItWhenTheyAreSeenAgain) {
@@ -1217,12 +1217,25 @@ TEST_F(GuidanceTest, WhoComesNoFurtherIsToldTheRestAndNotSentAgain) {
   lead_to(room("kitchen"), {3.4, 3.45}, 0);
   (void)hear(8);
   for (int i = 0; i < 4; ++i) {
-    EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I know no way around it.");
-    (void)hear(4);
+    EXPECT_THAT(ask(GuidanceRequest::kBlocked), StartsWith("Try a little to the "));
+    EXPECT_THAT(hear(4), IsEmpty()) << "until they have tried";
   }
   EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I know the way no further.");
   EXPECT_THAT(hear(10), ElementsAre("The kitchen is the next room."));
   EXPECT_EQ(guidance_->state(), State::kNearest);
+}
+
+// There is always another way, but they do not find it.
+TEST_F(GuidanceTest, WhoComesNoFurtherOnWaysAroundIsToldTheRest) {
+  grid_ = testing::Floor(140, 60).grid();
+  has_rooms_ = false;
+  lead_to(bed_at({12, 3}, "hall"), {3, 3}, 0);
+  (void)hear(8);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_THAT(ask(GuidanceRequest::kBlocked), Not(HasSubstr("no further")));
+    (void)hear(4);
+  }
+  EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I know the way no further.");
 }
 
 // In its frame, where what bars the door leaves no more of the room than the way's end.

@@ -38,8 +38,8 @@ const kVibrations: Record<Sound, readonly number[]> = {
 
 // Of who is led, to be told apart by the hand alone; also in a pocket.
 const kGuideVibrations: readonly [RegExp, readonly number[]][] = [
-  [/^guide\.(turn|turn_hour|little)_left$/, [240, 100, 60]],
-  [/^guide\.(turn|turn_hour|little)_right$/, [60, 100, 240]],
+  [/^guide\.(turn|turn_hour|little|try)_left$/, [240, 100, 60]],
+  [/^guide\.(turn|turn_hour|little|try)_right$/, [60, 100, 240]],
   [/^(guide\.(stop|off|lost)|device\.connection_lost_led$)/, [400, 100, 400]],
   [/^guide\.there_(ahead|behind|left|right|room)$/, [60, 60, 60, 60, 60, 60, 400]],
 ];

@@ -33,7 +33,8 @@ test('left, right, stop and arrival feel different from each other and from ever
   const sounds = kSounds.map((sound) => feels('room.is', sound));
   assert.equal(new Set([...told, ...sounds]).size, told.length + kSounds.length, sounds.join());
   for (const [like, messages] of Object.entries({
-    'guide.turn_left': ['guide.turn_hour_left', 'guide.little_left'], 'guide.turn_right': ['guide.turn_hour_right', 'guide.little_right'],
+    'guide.turn_left': ['guide.turn_hour_left', 'guide.little_left', 'guide.try_left'],
+    'guide.turn_right': ['guide.turn_hour_right', 'guide.little_right', 'guide.try_right'],
     'guide.stop': [
       'guide.stop_obstacle_ahead', 'guide.stop_thing_left', 'guide.stop_door', 'guide.off', 'guide.lost', 'guide.lost_wait',
       'device.connection_lost_led',
