@@ -268,9 +268,9 @@ std::optional<Prompt> Guidance::turning(const Pose& pose) {
   const bool has_turned = std::abs(turn_rad(turn_from_rad_, pose.heading_rad)) > 8 * kDegree_rad;
   // Who has turned and does not wait for what comes next knows neither how far nor past what.
   if (track_.is_walking() && silent_for_s() > kReaction_s) return stop({"guide.stop"});
-  if (has_turned && !track_.may_turn() && track_.is_standing() && silent_for_s() > 0.5) {
-    return act(pose);
-  }
+  // Sooner they may be at the end of the turn before.
+  const bool is_done = has_turned && !track_.may_turn() && track_.is_standing();
+  if (is_done && silent_for_s() > kReaction_s) return act(pose);
   // Waits while one stands; a word that was not heard is said again once.
   if (has_turned || said_.reminder || silent_for_s() <= way_.options().remind_s) {
     return std::nullopt;

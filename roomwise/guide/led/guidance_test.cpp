@@ -138,6 +138,17 @@ TEST_F(GuidanceTest, BeginsByWhereOneStandsAndThenOneActionAtATime) {
   EXPECT_EQ(guidance_->state(), State::kWalking);
 }
 
+TEST_F(GuidanceTest, TheEndOfTheTurnBeforeIsNotTakenForTheOneThatIsTold) {
+  lead_to(bed_at({1, 3}, "bedroom"), {1, 1}, -kPi / 2);
+  std::vector<std::string> said;
+  while (guidance_->state() != State::kTurning) said = hear(0.2);
+  ASSERT_THAT(said, ElementsAre("Turn around."));
+  const double told_s = speaking_s(said[0]);
+  EXPECT_THAT(hear(0.4, 0, 1), IsEmpty());
+  EXPECT_THAT(hear(told_s + 0.6), IsEmpty()) << "they turned before they had heard it";
+  EXPECT_THAT(hear(2), ElementsAre(AnyOf(StartsWith("Turn to"), "Turn around.")));
+}
+
 TEST_F(GuidanceTest, ADoorThatOneWalksThroughIsAnnouncedAndPassed) {
   lead_to(room("kitchen"), {1, 3.45}, 0);
   EXPECT_THAT(hear(7), ElementsAre("To the kitchen: about 7 steps.", "The door is ahead of you.",
