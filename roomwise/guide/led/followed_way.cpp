@@ -220,6 +220,7 @@ bool FollowedWay::comes_to_rest(const Pose& pose) const {
 
 bool FollowedWay::is_last_step(const Pose& pose) const {
   return goal_.is_solid() && has_legs() && is_last_leg() && leads_to_goal() &&
+         std::abs(bearing_error_rad(pose)) <= straight_enough_rad(to_end_m(pose)) &&
          to_end_m(pose) < kHand_m + kLegEnd_m && comes_to_rest({leg().to, leg().heading_rad()});
 }
 

@@ -74,7 +74,7 @@ class FollowedWay {
   [[nodiscard]] bool has_arrived(const Pose& pose, bool is_standing);
   // Without being told: at what stands before them, or anywhere in a room.
   [[nodiscard]] bool comes_to_rest(const Pose& pose) const;
-  // A step on, and they come to rest at the goal.
+  // A step straight on, and they come to rest at the goal.
   [[nodiscard]] bool is_last_step(const Pose& pose) const;
   // As near as the way leads; anywhere in a room.
   [[nodiscard]] bool is_in_reach(const Pose& pose) const;

@@ -122,6 +122,7 @@ TEST_F(FollowedWayTest, TheLastStepEndsBeforeTheThing) {
   const FollowedWay way = way_to(bed(), {1, 1.5});
   EXPECT_FALSE(way.is_last_step({{1.1, 1.5}, 0}));
   EXPECT_TRUE(way.is_last_step({{1.8, 1.5}, 0}));
+  EXPECT_FALSE(way.is_last_step({{1.8, 1.5}, 1})) << "not straight on";
 }
 
 }  // namespace

@@ -149,7 +149,11 @@ std::optional<Prompt> Guidance::update(const Walker& walker) {
   if (unseen_.led_since_ns == 0) unseen_.led_since_ns = now_ns();
   const Pose* const pose = track_.pose(now_ns());
   if (pose != nullptr) {
-    if (std::exchange(unseen_.should_be_there, false)) said_.of_end = 0;
+    // Whether they are there, or what to do instead, is told as soon as they stand.
+    if (std::exchange(unseen_.should_be_there, false)) {
+      said_.of_end = 0;
+      state_ = State::kStopped;
+    }
     unseen_.steps_until_ns = 0;
     if (auto warning = hazard(*pose)) return warning;
     if (auto warning = off_the_way(*pose)) return warning;

@@ -723,7 +723,7 @@ TEST_F(GuidanceTest, WhoShouldBeThereAndIsNotIsLedOn) {
   is_seen_ = false;
   EXPECT_THAT(hear(5), ::testing::Contains(StartsWith("You should be there")));
   is_seen_ = true;  // and stands where they stood
-  EXPECT_THAT(hear(12), ::testing::Contains(StartsWith("Straight on")));
+  EXPECT_THAT(hear(4), ElementsAre(StartsWith("Straight on"))) << "at once";
   EXPECT_FALSE(guidance_->is_over());
 }
 
