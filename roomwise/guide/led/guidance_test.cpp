@@ -138,6 +138,24 @@ TEST_F(GuidanceTest, BeginsByWhereOneStandsAndThenOneActionAtATime) {
   EXPECT_EQ(guidance_->state(), State::kWalking);
 }
 
+TEST_F(GuidanceTest, WhereNoDoorIsNextItBeginsWithWhatIsNearThem) {
+  const auto stands = [&](const char* name, const Vector2d& middle) {
+    KnownThing& thing = things_.emplace_back();
+    thing.name = name;
+    thing.probability = 0.95;
+    thing.box_keyframe.size_m = {0.6, 0.6, 0.8};
+    thing.position_plan = Eigen::Vector3d(middle.x(), middle.y(), 0.4);
+  };
+  stands("bed", {3.3, 1.2});
+  lead_to(bed_at({3.3, 1.2}, "bedroom"), {0.6, 1.2}, 0);
+  EXPECT_THAT(hear(9),
+              ElementsAre("To the bed: about 5 steps.", "Straight on, 4 steps to the bed."))
+      << "2 m away is not where they stand";
+  stands("chair", {0.6, 2.2});
+  lead_to(bed_at({3.3, 1.2}, "bedroom"), {0.6, 1.2}, 0);
+  EXPECT_THAT(hear(4), ElementsAre("To the bed: about 5 steps.", "The chair is on your left."));
+}
+
 TEST_F(GuidanceTest, TheEndOfTheTurnBeforeIsNotTakenForTheOneThatIsTold) {
   lead_to(bed_at({1, 3}, "bedroom"), {1, 1}, -kPi / 2);
   std::vector<std::string> said;
@@ -257,7 +275,7 @@ TEST_F(GuidanceTest, WhoWalksHearsSomethingAfterFiveMetresOrEightSeconds) {
   has_rooms_ = false;
   for (const double speed_m_s : {0.4, 0.9}) {
     lead_to(bed_at({13, 0.8}, "hall"), {0.6, 0.8}, 0);
-    (void)hear(8);
+    (void)hear(6.4);
     const double from = place_.x();
     const TimestampNs from_ns = now_ns_;
     std::vector<std::string> said;
@@ -406,7 +424,7 @@ TEST_F(GuidanceTest, WhoWalksFastHearsOfWhatComesFromFartherAway) {
   std::vector<double> left_m;
   for (const double speed_m_s : {0.5, 1.0}) {
     lead_to(bed_at({13, 0.8}, "hall"), {0.6, 0.8}, 0);
-    (void)hear(8);
+    (void)hear(6.4);
     while (guidance_->state() == State::kWalking && place_.x() < 12) {
       const double now_left_m = 12.5 - place_.x();
       for (const Prompt& prompt : go(0.2, speed_m_s)) {
@@ -751,7 +769,7 @@ class GoalBearingTest : public GuidanceTest {
 
 TEST_F(GoalBearingTest, IsAtAThingThatIsNearUntilOneIsThere) {
   lead_to(bed_at({3, 2}, "bedroom"), {0.6, 2}, -0.36);  // to its corner
-  (void)hear(9);
+  (void)hear(7.4);
   EXPECT_FALSE(has_bearing()) << "nearly 2 m away";
   (void)hear(1, 0.6);
   ASSERT_TRUE(has_bearing());

@@ -7,16 +7,14 @@ namespace roomwise::guide {
 
 std::optional<Phrase> standing_phrase(const FollowedWay& way, const Pose& pose) {
   if (!way.has_legs() || way.leg().stairs) return std::nullopt;
-  std::optional<Noun> place = way.place_at_end();
-  Eigen::Vector2d at = way.leg().to;
-  if (!place || place->kind != Noun::Kind::kThing) {
-    const Eigen::Vector2d& here = pose.position_plan;
-    const KnownThing* const thing = nearest_sure_thing(here, 2 * kHand_m, way.map());
-    if (thing == nullptr) return std::nullopt;
-    place = Noun{Noun::Kind::kThing, thing->name};
-    at = outline_of(*thing).nearest_to(here);
+  if (way.leg().ends_at_door()) {
+    return Phrase{with_side("guide.place", way.leg().to, pose), {{"place", thing("door")}}};
   }
-  return Phrase{with_side("guide.place", at, pose), {{"place", Nouns{*place}}}};
+  const Eigen::Vector2d& here = pose.position_plan;
+  const KnownThing* const nearest = nearest_sure_thing(here, 2 * kHand_m, way.map());
+  if (nearest == nullptr) return std::nullopt;
+  return Phrase{with_side("guide.place", outline_of(*nearest).nearest_to(here), pose),
+                {{"place", thing(nearest->name)}}};
 }
 
 std::optional<Phrase> next_phrase(const FollowedWay& way, const std::string& left,

@@ -10,7 +10,7 @@
 // What who is led hears of their way and of its end.
 namespace roomwise::guide {
 
-// By what a hand finds first on the way, or else by the nearest thing: "The door is behind you."
+// By the door at which the leg ends, or else by the nearest thing: "The door is behind you."
 [[nodiscard]] std::optional<Phrase> standing_phrase(const FollowedWay& way, const Pose& pose);
 // What comes at the end of the leg, to which so much is left: "In 3 steps: through the door."
 [[nodiscard]] std::optional<Phrase> next_phrase(const FollowedWay& way, const std::string& left,
