@@ -140,6 +140,12 @@ bool FollowedWay::is_off(const Pose& pose) const {
          std::abs(bearing_error_rad(pose)) > options_.off_way_degrees * kDegree_rad;
 }
 
+bool FollowedWay::may_keep_leg(const Pose& pose, const BarredFloor& floor) const {
+  if (!leads_to_goal() || !has_legs() || leg().stairs || to_end_m(pose) < kLegEnd_m) return false;
+  const double narrow_m = floor.narrow_m_at(pose.position_plan, options_.plan.narrow_radius_m);
+  return is_clear(*floor.grid(), pose.position_plan, leg().to, narrow_m);
+}
+
 double FollowedWay::left_m(const Pose& pose) const {
   double left_m = 0;
   for (std::size_t i = leg_; i < legs_.size(); ++i) {

@@ -61,6 +61,8 @@ class FollowedWay {
   [[nodiscard]] double left_on_leg_m(const Pose& pose) const;
   [[nodiscard]] double bearing_error_rad(const Pose& pose) const;
   [[nodiscard]] bool is_off(const Pose& pose) const;
+  // It leads to the goal, and its end can be walked to straight from there.
+  [[nodiscard]] bool may_keep_leg(const Pose& pose, const BarredFloor& floor) const;
   // To the end of the way.
   [[nodiscard]] double left_m(const Pose& pose) const;
   // How far somebody may go on along the leg whom no picture places any more; `obstacle_m`: what

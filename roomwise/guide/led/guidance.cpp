@@ -229,6 +229,10 @@ std::optional<Prompt> Guidance::begin(const Pose& pose) {
 
 Prompt Guidance::act(const Pose& pose) {
   plan_from(pose);
+  return act_on_plan(pose);
+}
+
+Prompt Guidance::act_on_plan(const Pose& pose) {
   if (!way_.leads_over_floor()) {
     state_ = State::kByRooms;
     unseen_.room.reset();
@@ -274,7 +278,12 @@ std::optional<Prompt> Guidance::turning(const Pose& pose) {
   if (track_.is_walking() && silent_for_s() > kReaction_s) return stop({"guide.stop"});
   // Sooner they may be at the end of the turn before.
   const bool is_done = has_turned && !track_.may_turn() && track_.is_standing();
-  if (is_done && silent_for_s() > kReaction_s) return act(pose);
+  if (is_done && silent_for_s() > kReaction_s) {
+    // A plan from a hand's breadth beside the last one may lead the other way around something.
+    if (!way_.may_keep_leg(pose, floor_)) return act(pose);
+    said_.reminder = false;
+    return act_on_plan(pose);
+  }
   // Waits while one stands; a word that was not heard is said again once.
   if (has_turned || said_.reminder || silent_for_s() <= way_.options().remind_s) {
     return std::nullopt;

@@ -146,6 +146,7 @@ class Guidance {
   [[nodiscard]] bool finds_way(const Pose& pose);
   // Plans anew and says what to do now.
   [[nodiscard]] Prompt act(const Pose& pose);
+  [[nodiscard]] Prompt act_on_plan(const Pose& pose);
   [[nodiscard]] Prompt turn(const Pose& pose, const Phrase& phrase);
   [[nodiscard]] Prompt stop(const Phrase& phrase);
   [[nodiscard]] Prompt blocked(const Pose& pose);

@@ -167,6 +167,21 @@ TEST_F(GuidanceTest, TheEndOfTheTurnBeforeIsNotTakenForTheOneThatIsTold) {
   EXPECT_THAT(hear(2), ElementsAre(AnyOf(StartsWith("Turn to"), "Turn around.")));
 }
 
+// Two ways around a table are as long as each other.
+TEST_F(GuidanceTest, WhoTurnsIsNotTurnedAgainSinceAnotherWayIsShorterFromAHandsBreadthBeside) {
+  grid_ = testing::Floor(60, 40).fill({20, 12}, {30, 28}, FloorCell::kOccupied).grid();
+  has_rooms_ = false;
+  lead_to(bed_at({5, 2}, "hall"), {1, 1.97}, kPi);
+  while (guidance_->state() != State::kTurning) (void)hear(0.2);
+  const Vector2d next = guidance_->next_place().value();
+  ASSERT_LT(next.y(), 1.9);
+  (void)hear(3);
+  place_.y() = 2.03;
+  heading_rad_ = heading_to(place_, next);
+  EXPECT_THAT(hear(4), ElementsAre(StartsWith("Straight on")));
+  EXPECT_EQ(guidance_->next_place(), next);
+}
+
 TEST_F(GuidanceTest, ADoorThatOneWalksThroughIsAnnouncedAndPassed) {
   lead_to(room("kitchen"), {1, 3.45}, 0);
   EXPECT_THAT(hear(7), ElementsAre("To the kitchen: about 7 steps.", "The door is ahead of you.",
