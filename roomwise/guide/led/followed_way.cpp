@@ -107,7 +107,11 @@ std::optional<Noun> FollowedWay::place_at_end() const {
   if (const auto room = room_beyond()) return Noun{Noun::Kind::kRoom, *room};
   const KnownThing* const thing =
       nearest_sure_thing(leg().to, kHand_m + options_.body_radius_m, map_);
-  return thing != nullptr ? std::optional(Noun{Noun::Kind::kThing, thing->name}) : std::nullopt;
+  if (thing == nullptr) return std::nullopt;
+  // Nobody walks to what they have passed by then.
+  const Vector2d touch = outline_of(*thing).nearest_to(leg().to);
+  if (with_side("", touch, {leg().to, leg().heading_rad()}) == "_behind") return std::nullopt;
+  return Noun{Noun::Kind::kThing, thing->name};
 }
 
 std::optional<std::string> FollowedWay::room_beyond() const {
