@@ -201,6 +201,30 @@ test('what a sound tells, the hand feels', options, () => withServer(async (serv
   await visit.close();
 }));
 
+test('on small phones nothing lies over the newest answer and the buttons of who is led', options, () => withServer(async (server) => {
+  for (const size of [kPhone, { width: 390, height: 664 }, { width: 320, height: 568 }]) {
+    const visit = await openVisit(server, { role: 'device', size, before: recordSpeech });
+    await start(visit, 'reader');
+    await visit.press('Take me…');
+    await visit.press('microwave');
+    await visit.hears('Turn right');
+    server.tell('device', makePrompt({ key: 'guide', message: 'guide.walk', text: 'Straight on, 2 metres, then left through the door.', sound: 'none' }));
+    await visit.sees('Straight on', '.line.newest');
+    await visit.page.evaluate(() => window.scrollTo(0, 0));
+    const coveredAt = (selector: string): Promise<boolean> => visit.page.$eval(selector, (element) => {
+      const { left, right, top, bottom } = element.getBoundingClientRect();
+      return [top + 4, bottom - 4].some((y) => !element.contains(document.elementFromPoint((left + right) / 2, y)));
+    });
+    assert.equal(await coveredAt('.line.newest'), false, `the answer at ${size.width} px`);
+    for (const name of ['What next', 'How far', 'Blocked', 'Pause', 'Go on', 'End', 'Lock screen']) {
+      await visit.tabTo(name);
+      assert.equal(await coveredAt(':focus'), false, `${name} at ${size.width} px`);
+    }
+    await visit.assertReflows();
+    await visit.close();
+  }
+}));
+
 test('close to the goal the hand feels pulses: of who is led alone, not while somebody speaks, and until something is asked', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'device', size: kPhone, before: keepVibrations });
   await start(visit, 'reader');
