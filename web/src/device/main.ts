@@ -220,9 +220,14 @@ async function settingsChanged(phone: Phone): Promise<void> {
   tellOfNoVoice();
 }
 
-async function leave(): Promise<void> {
+async function leave(): Promise<() => void> {
   isLeaving = true;
-  await request('POST', '/api/leave').catch(() => undefined);
+  try {
+    await request('POST', '/api/leave');
+  } catch (error) {
+    isLeaving = false;
+    throw error;
+  }
   rememberPaired(window.localStorage, false);
-  location.assign(at('/pair'));
+  return () => player.sayLast(ownNotice('left', text('settings.left'), performance.now()), () => location.assign(at('/pair')));
 }

@@ -1,6 +1,7 @@
 // How the phone speaks and measures.
 import { openDialog } from '../shared/dialog';
 import { h } from '../shared/dom';
+import { openFormDialog } from '../shared/form_dialog';
 import { checkField, radioField } from '../shared/forms';
 import { languageChoice } from '../shared/language_choice';
 import { formatNumber, language, text } from '../shared/texts';
@@ -9,7 +10,7 @@ import { OwnVoice } from './speaker';
 
 export interface SettingsActions {
   changed: () => void; // `settings` holds what was chosen
-  leave: () => void;
+  leave: () => Promise<() => void>; // gives what says that it is done
 }
 
 export function openSettings(settings: Settings, actions: SettingsActions): void {
@@ -35,8 +36,15 @@ export function openSettings(settings: Settings, actions: SettingsActions): void
     h('p', { 'aria-hidden': 'true' }, text('settings.language')),
     languageChoice(),
     h('p', {}, h('a', { href: `/help/manual/card.${language()}.html` }, text('settings.help'))),
-    h('button', { type: 'button', class: 'danger', onclick: actions.leave }, text('settings.leave')),
+    h('button', { type: 'button', class: 'danger', onclick: () => confirmLeaving(actions) }, text('settings.leave')),
   ]);
+}
+
+function confirmLeaving({ leave }: SettingsActions): void {
+  openFormDialog({
+    title: text('settings.leave_title'), explain: text('settings.leave_explain'), fields: [], submit: text('settings.leave'),
+    dangerous: true, run: leave,
+  });
 }
 
 export function voices(): { value: string; label: string }[] {

@@ -7,7 +7,7 @@ import { icon } from '../shared/icons';
 import type { Authority, Device, Me, PairingCode, Role } from '../shared/protocol';
 import { counted, formatTime, text } from '../shared/texts';
 import { act, type Helper } from './actions';
-import { openFormDialog, required } from './form_dialog';
+import { openFormDialog, required } from '../shared/form_dialog';
 import { qrPicture } from './qr';
 import { verdictWords } from './recognise_panel';
 import { keptRows, type Row } from './rerender';

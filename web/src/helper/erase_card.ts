@@ -3,7 +3,7 @@ import { request } from '../shared/api';
 import { h } from '../shared/dom';
 import { text } from '../shared/texts';
 import { act, actOrSay, type Helper } from './actions';
-import { openFormDialog } from './form_dialog';
+import { openFormDialog } from '../shared/form_dialog';
 import { rerender } from './rerender';
 import { card } from './shell';
 

@@ -5,7 +5,7 @@ import { textField } from '../shared/forms';
 import type { Keyframe, Recording, RoomRange } from '../shared/protocol';
 import { formatMoment, text } from '../shared/texts';
 import { actAndSay, actOrSay, type Helper } from './actions';
-import { required } from './form_dialog';
+import { required } from '../shared/form_dialog';
 import { keyframeAddress } from './pictures';
 import { picturesOf, spansOf, withRange, without, type FrameSpan } from './ranges';
 import { rerender } from './rerender';

@@ -9,7 +9,7 @@ import { kGreySide } from '../shared/picture_source';
 import { showsTheSame } from '../shared/same_view';
 import { counted, text } from '../shared/texts';
 import { actOrSay, type Helper } from './actions';
-import { required } from './form_dialog';
+import { required } from '../shared/form_dialog';
 import { rerender } from './rerender';
 import { card } from './shell';
 

@@ -6,7 +6,7 @@ import { selectField, textField } from '../shared/forms';
 import type { Me } from '../shared/protocol';
 import { counted, text } from '../shared/texts';
 import { actAndSay, actOrSay, type Helper } from './actions';
-import { required } from './form_dialog';
+import { required } from '../shared/form_dialog';
 import { jobView } from './job_view';
 import { card } from './shell';
 import { fill } from './walks_panel';

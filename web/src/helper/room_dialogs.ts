@@ -5,7 +5,7 @@ import { textField } from '../shared/forms';
 import type { Home, Room } from '../shared/protocol';
 import { text } from '../shared/texts';
 import { act, type Helper } from './actions';
-import { openFormDialog, required } from './form_dialog';
+import { openFormDialog, required } from '../shared/form_dialog';
 
 export function editRoom(helper: Helper, home: Home, room: Room): void {
   const name = textField(text('room.name'), { value: room.name, attributes: { maxlength: 60 } });

@@ -151,11 +151,13 @@ export class HelperStore {
     if (!message.online && this.state.watched.delete(message.device)) {
       this.tell('watched');
     }
-    if (!known) {
-      void this.refreshDevices().catch(() => undefined);
-    } else if (known.online !== message.online) {
+    const isUnpaired = known?.online === true && !message.online; // perhaps
+    if (known && known.online !== message.online) {
       known.online = message.online;
       this.tell('devices');
+    }
+    if (!known || isUnpaired) {
+      void this.refreshDevices().catch(() => undefined);
     }
     if (message.seen?.verdict !== told?.seen?.verdict || message.seen?.room !== told?.seen?.room) {
       void this.refreshRecognitions().catch(() => undefined);

@@ -90,6 +90,17 @@ test('who is gone is not led', () => {
   assert.equal(store.state.watched.size, 0);
 });
 
+test('a device that goes may have unpaired itself: who is paired is asked anew', async (context) => {
+  const asked = heldAnswers(context);
+  const store = new HelperStore();
+  store.state.devices = [{ device: 3, name: 'phone', role: 'device', paired: 0, last_seen: 0, online: true }];
+  store.receive({ type: 'device', device: 3, name: 'phone', online: false, seen: null });
+  const gone = new Promise<void>((resolve) => store.watch(['devices'], () => store.state.devices.length === 0 && resolve()));
+  asked.filter(({ path }) => path === '/api/devices').forEach(({ answer }) => answer({ devices: [] }));
+  assert.equal(asked.length, 1);
+  await gone;
+});
+
 test('a recording, and who was seen, hold no longer than the connection', () => {
   const store = new HelperStore();
   const told: string[] = [];

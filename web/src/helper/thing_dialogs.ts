@@ -4,7 +4,7 @@ import { textField } from '../shared/forms';
 import type { Thing } from '../shared/protocol';
 import { text } from '../shared/texts';
 import { act, type Helper } from './actions';
-import { openFormDialog, required } from './form_dialog';
+import { openFormDialog, required } from '../shared/form_dialog';
 
 export function correctThing(helper: Helper, thing: Thing): void {
   const name = textField(text('thing.name'), { value: thing.name, attributes: { maxlength: 60 } });

@@ -7,7 +7,7 @@ import type { Point, Trial } from '../shared/protocol';
 import { svg } from '../shared/svg';
 import { language, text } from '../shared/texts';
 import type { Helper } from './actions';
-import { required } from './form_dialog';
+import { required } from '../shared/form_dialog';
 import { drawPlan } from './plan/plan_drawing';
 import { pointPicker, type PointPicker } from './plan/point_picker';
 import { card } from './shell';

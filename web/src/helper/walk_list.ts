@@ -6,7 +6,7 @@ import { svg } from '../shared/svg';
 import { counted, formatTime, text } from '../shared/texts';
 import { kWalkColours } from '../view3d/walk_colours';
 import { act, actOrSay, type Helper } from './actions';
-import { openFormDialog } from './form_dialog';
+import { openFormDialog } from '../shared/form_dialog';
 import { keptRows, type Row } from './rerender';
 import { card } from './shell';
 

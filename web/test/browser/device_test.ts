@@ -607,6 +607,27 @@ test('a device that was removed is told so before it is led to pairing', options
   await visit.close();
 }));
 
+test('this device is unpaired after a question, and the person is told; not where the computer is not reached', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  await visit.press('Settings');
+  await visit.press('Unpair this device');
+  await visit.sees('Unpair this device?', 'dialog h2');
+  await visit.assertAccessible('whether to unpair');
+  await visit.press('Cancel');
+  assert.equal(await visit.focused(), 'Unpair this device');
+  await visit.page.keyboard.press('Enter');
+  await server.stop();
+  await visit.press('Unpair this device');
+  await visit.sees('was not reached', 'dialog [role=alert]');
+  await server.start();
+  await visit.press('Unpair this device');
+  await visit.hears('This device is not paired any more.');
+  await visit.sees('Pair this device');
+  assert.equal((await visit.announced()).filter((one) => one.includes('was removed')).length, 0);
+  await visit.close();
+}));
+
 test('what the computer cannot answer is told, in the language of the page', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'device', size: kPhone });
   await start(visit, 'reader');

@@ -3,7 +3,7 @@ import { selectField, textField } from '../../shared/forms';
 import type { Home, Room } from '../../shared/protocol';
 import { text } from '../../shared/texts';
 import type { Helper } from '../actions';
-import { openFormDialog, required } from '../form_dialog';
+import { openFormDialog, required } from '../../shared/form_dialog';
 import { editRoom, removeRoom } from '../room_dialogs';
 import { makeEdit } from './edits';
 import { lineWithLeft } from './plan_geometry';

@@ -5,7 +5,7 @@ import { selectField, textField, type Field } from '../../shared/forms';
 import type { Home, Plan, Point, Thing } from '../../shared/protocol';
 import { text } from '../../shared/texts';
 import type { Helper } from '../actions';
-import { openFormDialog, required } from '../form_dialog';
+import { openFormDialog, required } from '../../shared/form_dialog';
 import { correctThing, removeThing } from '../thing_dialogs';
 import { makeEdit } from './edits';
 import { pointPicker, type PointPicker } from './point_picker';

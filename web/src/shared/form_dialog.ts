@@ -1,9 +1,9 @@
 // A dialog that is a form: fields, one button that does it. It closes when that worked.
-import { messageOf } from '../shared/api';
-import { openDialog } from '../shared/dialog';
-import { h } from '../shared/dom';
-import type { Field } from '../shared/forms';
-import { text } from '../shared/texts';
+import { messageOf } from './api';
+import { openDialog } from './dialog';
+import { h } from './dom';
+import type { Field } from './forms';
+import { text } from './texts';
 
 export interface FormDialog {
   title: string;
