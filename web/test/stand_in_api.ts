@@ -66,7 +66,12 @@ const kRoutes: [string, RegExp, Role | '-', Handler][] = [
   ['GET', /^\/api\/authority$/, '-', () => (
     { name: 'Roomwise, home of flat (3f9c2a)', fingerprint: 'AB:12:'.repeat(16).slice(0, -1), ends: 2_400_000_000, file: '/authority.crt' })],
   ['GET', /^\/api\/map\/keyframes$/, 'helper', ({ server }) => ({ keyframes: server.state.keyframes })],
-  ['GET', /^\/api\/map\/cloud$/, 'helper', () => makeCloud('coarse')],
+  ['GET', /^\/api\/map\/cloud$/, 'helper', ({ server }) => {
+    if (server.state.keyframes.length === 0) {
+      throw new Refusal(503, 'the map is not ready yet; try again soon');
+    }
+    return makeCloud('coarse');
+  }],
   ['GET', /^\/api\/map\/cloud\/fine$/, 'helper', () => makeCloud('fine')],
   ['GET', /^\/api\/keyframes\/(\d+)\/picture$/, 'helper', ({ parts }) => drawnRoom(roomOfKeyframe(Number(parts[0])), Number(parts[0]))],
   ['PUT', /^\/api\/recordings\/(\d+)\/rooms$/, 'helper', nameRanges],

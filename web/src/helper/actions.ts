@@ -23,3 +23,9 @@ export async function actAndSay(helper: Helper, what: () => Promise<unknown>, do
 export function actOrSay(helper: Helper, what: () => Promise<unknown>, done: string): void {
   actAndSay(helper, what, done).catch((error: unknown) => helper.announcer.say(messageOf(error), 'failed'));
 }
+
+// What walks show of their pictures is on its way.
+export function mapIsMade({ store }: Helper): boolean {
+  const { job } = store.state;
+  return job !== null && (job.kind === 'map' || job.kind === 'prepare') && job.state === 'running';
+}

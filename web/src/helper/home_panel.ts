@@ -1,10 +1,10 @@
 // The home: in three dimensions, and the same in words.
-import { messageOf, requestBytes } from '../shared/api';
+import { ApiError, messageOf, requestBytes } from '../shared/api';
 import { h, replaceChildren, setText } from '../shared/dom';
 import { textField } from '../shared/forms';
 import { counted, text } from '../shared/texts';
 import type { View3d } from '../view3d/view3d';
-import type { Helper } from './actions';
+import { mapIsMade, type Helper } from './actions';
 import { firstStepsView } from './first_steps';
 import { jobView } from './job_view';
 import { countOf, outlineOf } from './outline';
@@ -99,8 +99,8 @@ function spaceView(helper: Helper): HTMLElement {
       requestBytes(path).then((bytes) => map === maps && show(bytes), (error: unknown) => map === maps && failed(error));
     };
     helper.store.watch(['job', 'home'], () => {
-      const { job, home } = helper.store.state;
-      if (job !== null && (job.kind === 'map' || job.kind === 'prepare') && job.state === 'running') {
+      const { home } = helper.store.state;
+      if (mapIsMade(helper)) {
         maps += 1;
         shown = 'nothing';
         note.textContent = text('space.not_ready');
@@ -117,7 +117,8 @@ function spaceView(helper: Helper): HTMLElement {
           note.textContent = text('space.drag');
         }, (error) => {
           shown = 'nothing';
-          note.textContent = text('space.not_shown', { why: messageOf(error) });
+          const isEarly = error instanceof ApiError && error.status === 503;
+          note.textContent = isEarly ? text('space.not_ready') : text('space.not_shown', { why: messageOf(error) });
         });
       }
     });

@@ -4,7 +4,7 @@ import { h, newId } from '../shared/dom';
 import { textField } from '../shared/forms';
 import type { Keyframe, Recording, RoomRange } from '../shared/protocol';
 import { formatMoment, text } from '../shared/texts';
-import { actAndSay, actOrSay, type Helper } from './actions';
+import { actAndSay, actOrSay, mapIsMade, type Helper } from './actions';
 import { required } from '../shared/form_dialog';
 import { keyframeAddress } from './pictures';
 import { picturesOf, spansOf, withRange, without, type FrameSpan } from './ranges';
@@ -94,7 +94,10 @@ export function namingView(helper: Helper): NamingView {
     const numbers = pictures && { first: pictures[0] + 1, last: pictures[1] + 1 };
     const words = pictures && numbers
       ? text('walks.range', { ...numbers, from: at(pictures[0]), to: at(pictures[1]), room: range.room })
-      : text('walks.range_hidden', { room: range.room });
+      : text(mapIsMade(helper) ? 'walks.range_waits' : 'walks.range_hidden', { room: range.room });
+    if (!pictures && mapIsMade(helper)) {
+      return h('li', {}, words);
+    }
     const removed = numbers ? text('walks.range_removed', numbers) : text('walks.hidden_removed');
     const remove = (): void => actOrSay(helper, () => put(id, without(ranges, range.first, range.last)), removed);
     const seen = pictures ? spans[pictures[0]] : undefined;

@@ -3,7 +3,7 @@ import { h } from '../shared/dom';
 import { selectField } from '../shared/forms';
 import type { Me } from '../shared/protocol';
 import { text } from '../shared/texts';
-import type { Helper } from './actions';
+import { mapIsMade, type Helper } from './actions';
 import { changesCard } from './changes_card';
 import { coverageCard } from './coverage_card';
 import { namingView } from './naming_view';
@@ -37,6 +37,13 @@ export function walksPanel(helper: Helper, me: Me): HTMLElement {
     shown.view.show(recording, store.state.keyframes.filter((one) => one.recording === recording.id));
   };
   store.watch(['home'], show);
+  let isMade = mapIsMade(helper); // how far it is changes nothing here
+  store.watch(['job'], () => {
+    if (isMade !== mapIsMade(helper)) {
+      isMade = mapIsMade(helper);
+      show();
+    }
+  });
   return panel(text('nav.walks'),
     card(text('walks.name_rooms'), h('p', { class: 'hint' }, text('walks.explain')), choice.element, place),
     walkListCard(helper), changesCard(helper), coverageCard(helper), recordCard(helper, me), uploadCard(helper));

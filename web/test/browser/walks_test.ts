@@ -74,3 +74,29 @@ test('a press on a walk while a map is made is not lost', options, () => withSer
   await visit.sees('Forget the walk walk?', 'dialog');
   await visit.close();
 }));
+
+test('while a map is made names wait for their pictures, and the plan for the map', options, () => withServer(async (server) => {
+  const { keyframes } = server.state;
+  const { rooms } = server.state.plan;
+  server.state.keyframes = [];
+  server.state.plan.rooms = [];
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#walks');
+  await visit.sees('Pictures that are not on the map: kitchen', '.ranges');
+  tellJob(server, 'running', 0.3, 'mapping', 'map');
+  await visit.sees('kitchen: the pictures appear once the map is ready.', '.ranges');
+  assert.equal(await visit.page.$eval('.naming .ranges', (list) => list.querySelectorAll('button').length), 0);
+  await visit.assertAccessible('names that wait');
+  await visit.page.click('a[href="#home"]');
+  await visit.sees('There is no plan yet: it appears once the map is ready.');
+  tellJob(server, 'stopped', 0.3, 'stopped');
+  await visit.sees('The map is being made ready; it will be shown here.', '.stage-note');
+  server.state.keyframes = keyframes;
+  server.state.plan.rooms = rooms;
+  tellJob(server, 'done', 1, '', 'prepare');
+  await visit.page.waitForSelector('.plan-part svg');
+  await visit.sees('Drag to turn', '.stage-note');
+  await visit.page.click('a[href="#walks"]');
+  await visit.sees('Pictures 1 to', '.ranges');
+  await visit.close();
+}));

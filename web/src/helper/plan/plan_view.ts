@@ -29,7 +29,7 @@ export function planView(helper: Helper): HTMLElement {
       return;
     }
     if (plan.rooms.length === 0) {
-      replaceChildren(stage, h('p', { class: 'hint' }, text('plan.none')));
+      replaceChildren(stage, h('p', { class: 'hint' }, text(home.recordings.some(({ ranges }) => ranges.length > 0) ? 'plan.waits' : 'plan.none')));
       replaceChildren(legend);
     } else {
       const label = text('plan.label', { rooms: counted('home.rooms', plan.rooms.length), things: counted('home.things', home.things.length) });
