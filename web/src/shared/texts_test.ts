@@ -38,3 +38,9 @@ test('things are counted by the rule of the language', () => {
 test('a moment of a walk is told in minutes and seconds', () => {
   assert.deepEqual([0, 65.9, 3605].map(formatMoment), ['0:00', '1:05', '1:00:05']);
 });
+
+test('German says Sie', () => {
+  const familiar = /\b(du|dich|dir|deine?[mnrs]?|(Gib|Nimm|Geh|Halte|Tippe|Sag|Wähle|Setze|Mach|Dreh|Benenne|Lerne|Öffne|Exportiere) (?!Sie))\b/i;
+  const texts = Object.entries(de).filter(([, words]) => familiar.test(words));
+  assert.deepEqual(texts, []);
+});
