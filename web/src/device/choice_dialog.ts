@@ -48,5 +48,5 @@ export function openChoice(texts: ChoiceTexts, choices: readonly string[], chose
     field.input.setAttribute('autofocus', '');
   }
   show();
-  const dialog = openDialog(texts.title, [form, count, list]);
+  const dialog = openDialog(texts.title, choices.length > 0 ? [form, count, list] : [form]);
 }

@@ -168,6 +168,7 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
     howFar: () => recording.tellState(),
     teach: () => (phone.state.teaching === 'shown' ? nameThing()
       : phone.ask({ question: phone.state.teaching === 'no' ? 'teach_thing' : 'stop_teaching' })),
+    stopTeaching: () => phone.ask({ question: 'stop_teaching' }),
     settings: () => openSettings(settings, { changed: () => void settingsChanged(phone), leave }),
   }, isHelper);
   view.show(phone.state);

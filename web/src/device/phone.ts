@@ -115,6 +115,7 @@ export class Phone {
     this.player.withdrawAnswers();
     const now = performance.now();
     const again = this.ledAgain.wish(question);
+    this.showLed(); // who ends it without a connection is led no more
     if (again !== null && this.session.online) {
       this.ask(again); // instead of going on with what the computer has forgotten
       return;
@@ -135,12 +136,18 @@ export class Phone {
     } else {
       this.ask(kind === 'room' ? { question: 'take_me_to', room: name } : { question: 'take_me_to', ...thingOf(name, room) });
     }
-    this.state.led = this.ledAgain.isLed;
-    this.changed();
+    this.showLed();
   }
 
   whereIs({ kind, name, room }: Goal): void {
     this.ask(kind === 'way out' ? { question: 'where_is', goal: 'way_out' } : { question: 'where_is', ...thingOf(name, room) });
+  }
+
+  private showLed(): void {
+    if (this.state.led !== this.ledAgain.isLed) {
+      this.state.led = this.ledAgain.isLed;
+      this.changed();
+    }
   }
 
   // What one may be led to.
@@ -154,8 +161,7 @@ export class Phone {
 
   takeMeBack(): void {
     this.ask({ question: 'take_me_back' });
-    this.state.led = this.ledAgain.isLed;
-    this.changed();
+    this.showLed();
   }
 
   // While somebody speaks a question nobody answers an earlier one, or says anything but a hazard. False: not now.

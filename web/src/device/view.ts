@@ -23,6 +23,7 @@ export interface ViewActions {
   stopRecording: () => void;
   howFar: () => void;
   teach: () => void;
+  stopTeaching: () => void;
   settings: () => void;
 }
 
@@ -39,6 +40,7 @@ export class PhoneView {
   private readonly cover = new Cover(() => (this.guide.hidden ? this.element.querySelector<HTMLElement>('.tool.take') : this.lock)?.focus());
   private readonly record: HTMLButtonElement;
   private readonly teach: HTMLButtonElement;
+  private readonly stopTeaching: HTMLButtonElement; // of what was shown and has no name yet
   private readonly stop: HTMLButtonElement; // of a recording that goes on without its pictures
   private readonly questions: HTMLElement;
   private readonly walk: HTMLElement; // what is asked and done while one walks
@@ -56,6 +58,7 @@ export class PhoneView {
       wish('next'), wish('how_far'), wish('blocked'), wish('pause'), wish('resume'), wish('end'), this.lock, this.hide);
     this.record = h('button', { type: 'button', class: 'tool', onclick: actions.record }, text('phone.record'));
     this.teach = h('button', { type: 'button', class: 'tool teach', onclick: actions.teach }, text('teach.begin'));
+    this.stopTeaching = h('button', { type: 'button', class: 'tool', hidden: true, onclick: actions.stopTeaching }, text('teach.stop'));
     this.stop = h('button', { type: 'button', class: 'tool', hidden: true, onclick: actions.stopRecording }, text('record.stop'));
     this.quiet = question('quiet', text('phone.quiet'), 'quiet', actions.quiet);
     this.quiet.setAttribute('aria-pressed', 'false');
@@ -83,6 +86,7 @@ export class PhoneView {
           this.stop,
           this.record,
           this.teach,
+          this.stopTeaching,
           h('button', { type: 'button', class: 'tool', onclick: actions.settings }, text('phone.settings')))),
       this.cover.top,
       h('main', {},
@@ -110,6 +114,7 @@ export class PhoneView {
     const shown: [HTMLElement, boolean][] = [
       [this.guide, state.led && !state.isWalking], [this.hide, state.mayWatch],
       [this.questions, !state.isWalking], [this.walk, state.isWalking], [this.record, !state.isWalking], [this.teach, !state.isWalking],
+      [this.stopTeaching, state.teaching === 'shown' && !state.isWalking],
       [this.nameRoom, state.recording !== null && !state.isWalking], [this.stop, state.waits && this.isHelper()],
     ];
     const focused = document.activeElement;
@@ -118,7 +123,7 @@ export class PhoneView {
     }
     const left = shown.find(([part, isShown]) => !isShown && part.contains(focused))?.[0];
     if (left !== undefined) {
-      const next = state.isWalking ? '.question.stop' : left === this.hide ? '.guide .tool' : left === this.guide ? '.tool.take' : '.question.where';
+      const next = state.isWalking ? '.question.stop' : left === this.hide ? '.guide .tool' : left === this.guide ? '.tool.take' : left === this.stopTeaching ? '.tool.teach' : '.question.where';
       this.element.querySelector<HTMLElement>(next)?.focus();
     }
   }

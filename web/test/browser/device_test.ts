@@ -359,6 +359,39 @@ test('find: by typing and by the list; what is asked again is repeated', options
   await visit.close();
 }));
 
+test('who has shown a thing may end it without a name', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  await visit.press('Teach a thing');
+  server.tell('device', makePrompt({ key: 'teaching', message: 'teach.enough', text: 'I have seen enough.', priority: 'notice' }));
+  await visit.sees('What is it called?', 'dialog');
+  await visit.page.keyboard.press('Escape');
+  await visit.sees('Name it', '.tool');
+  await visit.press('Stop teaching');
+  await gets(() => server.newest('device').asked.map((one) => one['question']), ['teach_thing', 'stop_teaching']);
+  server.tell('device', makePrompt({ key: 'teaching', message: 'teach.stopped', text: 'Stopped.', priority: 'notice' }));
+  await visit.sees('Teach a thing', '.tool');
+  assert.equal(await visit.focused(), 'Teach a thing');
+  assert.equal((await visit.accessibleTexts()).includes('Stop teaching'), false);
+  await visit.close();
+}));
+
+test('who ends it while the computer is gone is led no more', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  await visit.press('Take me…');
+  await visit.press('microwave');
+  await visit.hears('Turn right');
+  await server.stop();
+  await visit.sees('Not connected', '.chip');
+  await visit.press('End');
+  assert.equal(await visit.page.$eval('.guide', (guide) => guide.checkVisibility()), false);
+  assert.equal(await visit.focused(), 'Take me…');
+  await server.start();
+  await visit.sees('Connected', '.chip.good');
+  await visit.close();
+}));
+
 test('places: one is marked with a name or without, gone back to, renamed, forgotten', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'device', size: kPhone, before: recordSpeech });
   await start(visit, 'reader');
@@ -377,6 +410,7 @@ test('places: one is marked with a name or without, gone back to, renamed, forgo
   assert.equal(await visit.page.$eval('.guide', (guide) => guide.checkVisibility()), true, 'is led');
   await visit.press('Places…');
   await visit.press('Rename my chair');
+  assert.equal(await visit.page.$('dialog [role=status]'), null, 'there is no list to be counted');
   await visit.press('Rename');
   await visit.sees('Type a name', '[role=alert]');
   await visit.type('my seat');
