@@ -4,7 +4,7 @@ import { h } from '../shared/dom';
 import { text } from '../shared/texts';
 import { act, actOrSay, type Helper } from './actions';
 import { openFormDialog } from '../shared/form_dialog';
-import { rerender } from './rerender';
+import { rerender, showPart } from './rerender';
 import { card } from './shell';
 
 export function eraseCard(helper: Helper): HTMLElement {
@@ -19,7 +19,7 @@ export function eraseCard(helper: Helper): HTMLElement {
       ...walks.map(({ name, edit }) => ({ what: text('erase.walk', { name }), edit })),
       ...rooms.map(({ name, edit }) => ({ what: text('erase.room', { name }), edit })),
     ];
-    element.hidden = waiting.length === 0 && !isOwed;
+    showPart(element, waiting.length > 0 || isOwed);
     when.hidden = waiting.length === 0;
     owed.hidden = !isOwed;
     owed.textContent = isOwed ? text('erase.owed') : '';

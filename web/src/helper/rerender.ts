@@ -31,6 +31,15 @@ function keyed(part: HTMLElement): HTMLElement[] {
   return [...part.querySelectorAll<HTMLElement>('[data-key]')];
 }
 
+// Shows a part or hides it; the focus that goes with it goes on to the heading of the panel.
+export function showPart(part: HTMLElement, isShown: boolean): void {
+  const losesFocus = !isShown && part.contains(document.activeElement);
+  part.hidden = !isShown;
+  if (losesFocus) {
+    part.closest('.panel')?.querySelector<HTMLElement>('h2')?.focus({ preventScroll: true });
+  }
+}
+
 export interface Row<Item> {
   element: HTMLElement;
   show: (item: Item, place: number) => void;

@@ -49,6 +49,7 @@ test('renaming a thing is undone by one button that says what it takes back', op
   await heardOnce(visit, 'It is called oven now.');
   await visit.press('Undo: renamed microwave to oven');
   await heardOnce(visit, 'Undone: renamed microwave to oven.');
+  assert.equal(await visit.focused(), 'The home', 'there is nothing more to undo');
   await visit.sees('microwave', '.thing');
   await gets(() => server.state.requests, ['PUT /api/things/0 {"name":"oven"}', 'DELETE /api/edits/1']);
   await visit.close();

@@ -27,6 +27,7 @@ for (const [size, name] of [[kDesktop, 'desktop'], [kPhone, 'phone'], [{ width: 
     await visit.assertReflows();
     await visit.press('Take back: The walk walk');
     await heardOnce(visit, 'The walk walk is back.');
+    assert.equal(await visit.focused(), 'Forget', 'nothing more is to be erased');
     await visit.press('Forget a walk');
     await visit.sees('The walk walk', '.ranges');
     await visit.press('Erase now');

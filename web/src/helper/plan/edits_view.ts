@@ -4,7 +4,7 @@ import { h, type Child } from '../../shared/dom';
 import type { Edit } from '../../shared/protocol';
 import { language, text } from '../../shared/texts';
 import type { Helper } from '../actions';
-import { rerender } from '../rerender';
+import { rerender, showPart } from '../rerender';
 import { editWords, undoEdit } from './edits';
 
 export function editsView(helper: Helper): HTMLElement {
@@ -15,7 +15,7 @@ export function editsView(helper: Helper): HTMLElement {
   helper.store.watch(['home'], () => {
     const { edits } = helper.store.state;
     const last = edits.find((edit) => edit.undo_first === '');
-    element.hidden = edits.length === 0;
+    showPart(element, edits.length > 0);
     rerender(newest, last ? [undoButton(helper, last, text('edits.undo_what', { what: editWords(last) }), 'undo newest')] : []);
     rerender(list, edits.map((edit) => h('li', {}, ...entry(helper, edit))));
   });
