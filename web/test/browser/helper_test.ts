@@ -471,3 +471,37 @@ test('the first load is small, three.js with it; the fine cloud comes to who loo
   assert.equal(visit.requests.filter((url) => url.endsWith('/fine')).length, 1, 'it is fetched once');
   await visit.close();
 }));
+
+test('a message does not lie over what has the focus, and can be closed', options, () => withServer(async (server) => {
+  const device = server.state.devices[2];
+  assert.ok(device);
+  device.name = 'The camera that Anna wears on her chest when she goes out into the garden behind the house with her dog';
+  const visit = await openVisit(server, { role: 'helper', size: { width: 320, height: 568 } });
+  await visit.go('/#devices');
+  await visit.press(`Remove ${device.name}`);
+  await visit.press('Remove');
+  await visit.sees('is removed.', '.announcement');
+  await visit.assertAccessible('a message');
+  await visit.assertReflows();
+  const passed = new Set<string>();
+  for (let i = 0; i < 25; i += 1) {
+    const { name, covered } = await visit.page.evaluate(() => new Promise<{ name: string; covered: boolean }>((resolve) => {
+      requestAnimationFrame(() => requestAnimationFrame(() => {
+        const focused = document.activeElement as HTMLElement;
+        const { left, right, top, bottom } = focused.getBoundingClientRect();
+        const at = [top + 2, bottom - 2].map((y) => document.elementFromPoint((left + right) / 2, y));
+        resolve({ name: focused.innerText, covered: at.some((one) => one?.closest('.announcer') && !focused.closest('.announcer')) });
+      }));
+    }));
+    assert.equal(covered, false, name);
+    passed.add(name);
+    await visit.page.keyboard.press('Tab');
+  }
+  assert.ok(passed.size > 6, [...passed].join());
+  await visit.tabTo('Show a code');
+  await visit.page.focus('.dismiss');
+  await visit.page.keyboard.press('Enter');
+  assert.equal(await visit.focused(), 'Show a code');
+  assert.equal(await visit.page.$('.announcement'), null);
+  await visit.close();
+}));
