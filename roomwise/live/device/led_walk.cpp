@@ -64,9 +64,9 @@ Goal goal_of(const ViewedSpot& spot) {
   return goal;
 }
 
-// Of the doors of a room the one to where somebody is; else the nearest.
-std::optional<Goal> door_goal(const service::Ask& asked, std::vector<rooms::Doorway> doors,
-                              const guide::HomeMap& map, const guide::UserLocation& location) {
+// Of the doors of a room those to where somebody is; else all.
+std::vector<Goal> door_goals(const service::Ask& asked, std::vector<rooms::Doorway> doors,
+                             const guide::UserLocation& location) {
   const auto leads_here = [&](const rooms::Doorway& door) {
     return location.room && door.joins(*location.room);
   };
@@ -78,32 +78,43 @@ std::optional<Goal> door_goal(const service::Ask& asked, std::vector<rooms::Door
     goals.push_back(Goal::of(door));
     if (leads_here(door)) goals.back().room = location.room;
   }
-  return nearest(std::move(goals), map, location);
+  return goals;
 }
 
-// A spot, the way out, a thing of the home, a room, or a door.
-std::optional<Goal> goal_of(const service::Ask& asked, const HomeView& home,
-                            std::span<const rooms::Doorway> doorways, const Situation& situation) {
-  const guide::UserLocation location = standing_of(situation.result);
-  const guide::Wording wording = wording_of(situation.settings);
-  const guide::HomeMap map = map_of(home, doorways);
+// A spot, the way out, things of the home, a room, or doors: each is what is asked for.
+std::vector<Goal> goals_of(const service::Ask& asked, const HomeView& home,
+                           const guide::UserLocation& location,
+                           const service::SpeakingSettings& settings,
+                           const std::optional<CalendarTime>& today) {
+  const guide::Wording wording = wording_of(settings);
   const guide::Phrasebook& phrases = wording.phrases();
   const auto doors = doors_asked_for(asked, home, phrases);
   if (!asked.is_room && (!doors || asked.to_room.empty())) {
-    if (const ViewedSpot* const spot = spot_asked_for(asked, home, phrases)) return goal_of(*spot);
+    if (const ViewedSpot* const spot = spot_asked_for(asked, home, phrases)) {
+      return {goal_of(*spot)};
+    }
     const auto things = things_asked_for(asked, home, phrases);
     const auto meant =
         guide::thing_meant(name_asked_for(asked), things, home.concepts.vocabulary, phrases);
     std::vector<Goal> goals;
     for (const guide::KnownThing& thing : things) {
       if (!meant || thing.name != *meant) continue;
-      goals.push_back(Goal::of(thing, situation.today, home.things));
+      goals.push_back(Goal::of(thing, today, home.things));
       if (thing.name == guide::kNameOfWayOut) goals.back().kind = Goal::Kind::kWayOut;
     }
-    if (auto goal = nearest(std::move(goals), map, location)) return goal;
+    if (!goals.empty()) return goals;
   }
-  if (auto room = room_called(asked.subject, home, phrases)) return room;
-  return doors ? door_goal(asked, *doors, map, location) : std::nullopt;
+  if (auto room = room_called(asked.subject, home, phrases)) return {*std::move(room)};
+  return doors ? door_goals(asked, *doors, location) : std::vector<Goal>();
+}
+
+// A taught thing is never seen twice at quite the same place. What is nearer than that is still in
+// reach where the way ends.
+bool is_same_place(const Goal& one, const Goal& other) {
+  if (one.outline.has_value() != other.outline.has_value()) return false;
+  if (!one.outline) return one.room == other.room;
+  const double apart_m = (one.outline->middle_gravity - other.outline->middle_gravity).norm();
+  return apart_m <= kMaxSpotSigma_m;
 }
 
 }  // namespace
@@ -114,6 +125,7 @@ LedWalk::LedWalk(service::Ask asked, std::shared_ptr<const HomeView> home, Goal 
       settings_(situation.settings),
       today_(situation.today),
       home_(std::move(home)),
+      newest_home_(home_),
       doorways_(doorways_of(*home_)),
       guidance_(std::make_unique<guide::Guidance>(map_on(today_, *home_, doorways_),
                                                   std::move(goal), wording_of(settings_),
@@ -123,7 +135,9 @@ std::unique_ptr<LedWalk> LedWalk::to(const service::Ask& goal,
                                      const std::shared_ptr<const HomeView>& home,
                                      const Situation& situation, const LedWalk* before) {
   const std::vector<rooms::Doorway> doorways = doorways_of(*home);
-  auto found = goal_of(goal, *home, doorways, situation);
+  const guide::UserLocation location = standing_of(situation.result);
+  auto found = nearest(goals_of(goal, *home, location, situation.settings, situation.today),
+                       map_of(*home, doorways), location);
   if (!found) return nullptr;
   std::vector<guide::BarredPlace> barred;
   if (before != nullptr && before->is_same_map(*home)) barred = before->guidance_->floor().places();
@@ -135,6 +149,13 @@ std::unique_ptr<LedWalk> LedWalk::to(const service::Ask& goal,
 bool LedWalk::is_same_map(const HomeView& home) const {
   return home.map == home_->map || (home.map && home_->map && home.map->localizer &&
                                     home.map->localizer == home_->map->localizer);
+}
+
+bool LedWalk::is_goal_there(const HomeView& home) const {
+  const auto goals =
+      goals_of(asked_, home, {}, settings_, today_);  // from wherever they are by now
+  return std::ranges::any_of(
+      goals, [&](const Goal& goal) { return is_same_place(goal, guidance_->goal()); });
 }
 
 TimestampNs LedWalk::at(double t_ms) {
@@ -157,7 +178,11 @@ guide::Prompt LedWalk::begin(const Situation& situation) {
 std::vector<guide::Prompt> LedWalk::after(const FrameResult& result,
                                           const std::shared_ptr<const HomeView>& home) {
   // Until a new map is ready no picture tells of a place.
-  if (home->map && !is_same_map(*home) && !is_over()) return begin_anew(result, home);
+  const bool is_ready = home->map || !home_->map;
+  if (is_ready && !is_over() && home != newest_home_) {
+    if (!is_same_map(*home) || !is_goal_there(*home)) return begin_anew(result, home);
+    newest_home_ = home;
+  }
   const guide::UserLocation location = standing_of(&result);
   guide::Walker walker;
   walker.now_ns = at(result.t_ms);
@@ -176,7 +201,7 @@ std::vector<guide::Prompt> LedWalk::begin_anew(const FrameResult& result,
                                                const std::shared_ptr<const HomeView>& home) {
   const TimestampNs now_ns = at(result.t_ms);
   const Situation now{*home, &result, settings_, result.t_ms, today_};
-  auto anew = to(asked_, home, now);
+  auto anew = to(asked_, home, now, this);
   if (!anew) return {guidance_->end_without_goal(now_ns)};
   anew->now_ns_ = now_ns;
   if (guidance_->state() == guide::Guidance::State::kPaused) {

@@ -10,7 +10,8 @@
 namespace roomwise::live {
 
 // Somebody who is led to a goal in a home. What the home knew when it began is kept; where the map
-// is made anew, it begins again on the new one, or ends where that has no such goal.
+// is made anew, or the goal was moved, it begins again; it ends where there is no such goal any
+// more.
 class LedWalk {
  public:
   // Nothing where the home has no such goal, or nobody knows where: answer() says so then.
@@ -48,12 +49,14 @@ class LedWalk {
   [[nodiscard]] std::vector<guide::Prompt> begin_anew(const FrameResult& result,
                                                       const std::shared_ptr<const HomeView>& home);
   [[nodiscard]] bool is_same_map(const HomeView& home) const;
+  // What is asked for now, or one of it, stands where the way leads.
+  [[nodiscard]] bool is_goal_there(const HomeView& home) const;
   [[nodiscard]] TimestampNs at(double t_ms);
 
   service::Ask asked_;
   service::SpeakingSettings settings_;
-  std::optional<CalendarTime> today_;  // when it was asked for
-  std::shared_ptr<const HomeView> home_;
+  std::optional<CalendarTime> today_;                   // when it was asked for
+  std::shared_ptr<const HomeView> home_, newest_home_;  // when it began, and when it last looked
   std::vector<rooms::Doorway> doorways_;
   std::unique_ptr<guide::Guidance> guidance_;
   TimestampNs now_ns_ = 0;  // never goes back, as pictures and questions may

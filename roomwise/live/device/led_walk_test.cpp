@@ -348,5 +348,62 @@ TEST_F(LedWalkTest, EndsWithAWordWhereANewMapLacksTheGoal) {
   EXPECT_TRUE(led->is_over());
 }
 
+// The map is the same, as where a helper changes what stands on it.
+TEST_F(LedWalkTest, StopsWhoIsLedToWhatAHelperTookAway) {
+  for (const char* language : {"en", "de", "es", "fr"}) {
+    SCOPED_TRACE(language);
+    settings.language = language;
+    home = home_with_microwave();
+    x_m = 0;
+    const FrameResult first = picture_at({0, 0}, t_ms);
+    const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+    (void)led->begin(at(first));
+    (void)walk(*led, 6, 0);
+    home = std::make_shared<HomeView>(*home);
+    EXPECT_THAT(walk(*led, 4, 0.2), Not(::testing::Contains(StartsWith("Stop. I no")))) << "there";
+    EXPECT_FALSE(led->is_over());
+    home = std::make_shared<HomeView>(*home);
+    home->things.clear();
+    const auto said = led->after(picture_at({x_m, 0}, t_ms += kTick_ms), home);
+    ASSERT_THAT(said, ::testing::SizeIs(1));
+    EXPECT_EQ(said[0].message, "guide.ended_unknown");
+    EXPECT_EQ(said[0].sound, guide::Sound::kAlert);
+    EXPECT_TRUE(led->is_over());
+    EXPECT_THAT(walk(*led, 10, 0), IsEmpty());
+  }
+}
+
+TEST_F(LedWalkTest, LeadsToWhereAHelperMovedTheGoal) {
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+  (void)led->begin(at(first));
+  (void)walk(*led, 6, 0);
+  home = std::make_shared<HomeView>(*home);
+  home->things[0].position_gravity = Eigen::Vector3d(2.5, 1.2, 1.2);
+  const auto said = walk(*led, 6, 0);
+  ASSERT_FALSE(said.empty());
+  EXPECT_THAT(said.front(), StartsWith("To the microwave: about 2"));
+  const FrameResult here = picture_at({x_m, 0}, t_ms);
+  EXPECT_NEAR(led->plan_from(at(here)).touch_gravity.y(), 1, 0.3);
+}
+
+// Whatever else changes, and where another one stands nearer by now.
+TEST_F(LedWalkTest, LeadsOnToTheSameThingWhileItStandsThere) {
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+  (void)led->begin(at(first));
+  (void)walk(*led, 6, 0);
+  home = std::make_shared<HomeView>(*home);
+  home->things.push_back(home->things[0]);
+  home->things[1].position_gravity = Eigen::Vector3d(1, 1, 1.2);
+  EXPECT_THAT(walk(*led, 4, 0), Not(::testing::Contains(StartsWith("To the microwave"))));
+  const FrameResult here = picture_at({x_m, 0}, t_ms);
+  EXPECT_GT(led->plan_from(at(here)).touch_gravity.x(), 3);
+  home = std::make_shared<HomeView>(*home);
+  home->things.erase(home->things.begin());
+  EXPECT_THAT(walk(*led, 1, 0), ::testing::ElementsAre(StartsWith("To the microwave: about")));
+  EXPECT_LT(led->plan_from(at(here)).touch_gravity.x(), 2) << "of that name there is another";
+}
+
 }  // namespace
 }  // namespace roomwise::live
