@@ -171,6 +171,9 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // Unpacks a file that is whole, if it is an archive, and maps the recording (job "map"). The file
   // becomes the walk; where it cannot be read, or the disk is full, it waits as it is.
   [[nodiscard]] Expected<void> map_upload(const std::string& id);
+  [[nodiscard]] bool is_being_mapped(const std::string& upload) const;
+  // Fails while it is being mapped.
+  [[nodiscard]] Expected<void> remove_upload(const std::string& id);
 
  private:
   class Session;
@@ -375,6 +378,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   RecognitionLog recognitions_;
   std::unique_ptr<LensMemory> lenses_;
   std::unique_ptr<Uploads> uploads_;
+  mutable std::mutex upload_mutex_;
+  std::string upload_in_hand_;  // of the job that maps it
   std::unique_ptr<RoomPhotos> photos_;
   std::atomic<std::uint64_t> frames_processed_{0};
   std::atomic<std::uint64_t> dropped_by_gone_{0};          // by devices that are not here any more

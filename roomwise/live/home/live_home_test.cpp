@@ -1298,6 +1298,41 @@ TEST_F(HandedIn, AnExportIsMappedThoughTheComputerStoppedMeanwhile) {
   EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/My flat"));
 }
 
+TEST_F(HandedIn, WhatIsBeingMappedIsToldAndIsNotRemoved) {
+  const std::string id = hand_in(archive_of_the_walk());
+  const auto is_being_mapped = [&] {
+    return ask("GET", "/api/uploads").at("uploads").at(0).at("is_being_mapped") == true;
+  };
+  EXPECT_FALSE(is_being_mapped());
+  for (const bool is_stopped : {true, false}) {
+    auto place = std::optional(take_the_place());
+    ask("POST", "/api/uploads/" + id + "/map");
+    EXPECT_TRUE(is_being_mapped());
+    EXPECT_THAT(ask("DELETE", "/api/uploads/" + id).dump(), HasSubstr("is being mapped"));
+    if (is_stopped) home->jobs().stop();
+    if (!is_stopped) place.reset();
+    home->jobs().wait();
+    if (is_stopped) {
+      EXPECT_FALSE(is_being_mapped());
+    }
+  }
+  EXPECT_EQ(home->jobs().state()->message, "mapped");
+  EXPECT_THAT(ask("GET", "/api/uploads").at("uploads"), IsEmpty());
+}
+
+TEST_F(HandedIn, AWalkThatIsInTheHomeIsRefusedByName) {
+  const Bytes archive = archive_of_the_walk();
+  for (const char* message : {"mapped", "walk_known"}) {
+    const std::string id = hand_in(archive);
+    ask("POST", "/api/uploads/" + id + "/map");
+    home->jobs().wait();
+    EXPECT_EQ(home->jobs().state()->message, message);
+  }
+  EXPECT_EQ(home->jobs().state()->state, "failed");
+  const std::string waiting = ask("GET", "/api/uploads").at("uploads").at(0).at("upload");
+  EXPECT_EQ(ask("DELETE", "/api/uploads/" + waiting).dump(), "{}");
+}
+
 TEST_F(HandedIn, WhatIsInTheHomeDoesNotWaitAfterAKill) {
   const Bytes archive = archive_of_the_walk();
   const std::string id = hand_in(archive);

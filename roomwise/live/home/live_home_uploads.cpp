@@ -115,11 +115,14 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
     return fail("'{}' is not whole: {} of {} bytes are there", upload.name, upload.offset,
                 upload.bytes);
   }
-  const auto map = [this, upload](Progress& progress) -> Expected<JobEnd> {
+  const auto map_now = [this, upload](Progress& progress) -> Expected<JobEnd> {
     ROOMWISE_TRY(const TakenIn taken, take_in(upload, progress));
     if (taken.refused) return *taken.refused;
     const fs::path& path = taken.path;
     auto mapped = map_folder(path, progress);
+    if (!mapped && mapped.error().code == ErrorCode::kRefused) {
+      mapped = job_failure("walk_known", mapped.error().message);
+    }
     ROOMWISE_TRY(const bool is_in_home, has_recording_of(path));
     std::error_code error;
     const fs::path file = uploads_->file_of(upload.id);
@@ -135,10 +138,32 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
     ROOMWISE_RETURN_IF_ERROR(uploads_->note_walk(upload.id, ""));
     return mapped;
   };
+  const auto map = [this, map_now](Progress& progress) {
+    Expected<JobEnd> mapped = map_now(progress);
+    const std::scoped_lock lock(upload_mutex_);
+    upload_in_hand_.clear();
+    return mapped;
+  };
   return instead_of_preparing([&]() -> Expected<void> {
     ROOMWISE_RETURN_IF_ERROR(check_idle());
-    return start_work("map", map);
+    const std::scoped_lock lock(upload_mutex_);
+    ROOMWISE_RETURN_IF_ERROR(start_work("map", map));
+    upload_in_hand_ = id;
+    return {};
   });
+}
+
+bool LiveHome::is_being_mapped(const std::string& upload) const {
+  const std::scoped_lock lock(upload_mutex_);
+  return upload == upload_in_hand_ && jobs_->running();
+}
+
+Expected<void> LiveHome::remove_upload(const std::string& id) {
+  const std::scoped_lock lock(upload_mutex_);
+  if (id == upload_in_hand_ && jobs_->running()) {
+    return fail("it is being mapped; wait until that is done, or stop it");
+  }
+  return uploads_->remove(id);
 }
 
 Expected<void> LiveHome::go_on_with_uploads() {

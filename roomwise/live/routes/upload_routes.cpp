@@ -56,7 +56,10 @@ HttpAnswer list_uploads(LiveHome& home) {
   const auto all = home.uploads().list();
   if (!all) return service::error_answer(500, all.error().message);
   nlohmann::json uploads = nlohmann::json::array();
-  for (const Upload& upload : *all) uploads.push_back(upload_json(upload));
+  for (const Upload& upload : *all) {
+    uploads.push_back(upload_json(upload));
+    uploads.back()["is_being_mapped"] = home.is_being_mapped(upload.id);
+  }
   return service::json_answer({{"uploads", uploads}});
 }
 
@@ -86,7 +89,7 @@ std::vector<HomeRoute> upload_routes() {
            }},
           {"DELETE", "/api/uploads/{id}", kHelper,
            [](LiveHome& home, const HttpRequest&, const Placeholders& values) {
-             return done_or_why(home.uploads().remove(values.at("id")));
+             return done_or_why(home.remove_upload(values.at("id")));
            }}};
 }
 

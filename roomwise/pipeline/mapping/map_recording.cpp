@@ -100,8 +100,9 @@ Expected<void> check_is_new(const home::Home& home, const home::Recording& recor
                              : known.name == recording.name && known.camera == recording.camera &&
                                    known.frame_count == recording.frame_count;
     if (!is_same) continue;
-    return fail("{}: holds this recording already, as {}; nothing was added", home.file(),
-                known.name);
+    return fail_with(ErrorCode::kRefused,
+                     "{}: holds this recording already, as {}; nothing was added", home.file(),
+                     known.name);
   }
   return {};
 }

@@ -78,12 +78,16 @@ export function uploadCard(helper: Helper): HTMLElement {
       type: 'button', class: 'small', 'data-key': `${what} ${upload}`, 'aria-label': `${text(`upload.${what}`)} ${name}`,
       onclick: () => actOrSay(helper, () => request(method, path).then(showWaiting), done),
     }, text(`upload.${what}`));
+    const remove = button('remove', 'DELETE', `/api/uploads/${upload}`, text('upload.removed', { name }));
     const map = button('map', 'POST', `/api/uploads/${upload}/map`, text('upload.sent'));
     return {
-      element: h('li', {}, state, map, button('remove', 'DELETE', `/api/uploads/${upload}`, text('upload.removed', { name }))),
-      show: ({ offset, bytes }) => {
-        map.hidden = offset < bytes;
-        setText(state, map.hidden ? text('upload.part', { name, part: formatPercent(offset / bytes) }) : text('upload.whole', { name }));
+      element: h('li', {}, state, map, remove),
+      show: ({ offset, bytes, is_being_mapped: isBeingMapped = false }) => {
+        const isWhole = offset >= bytes;
+        map.hidden = !isWhole || isBeingMapped;
+        remove.hidden = isBeingMapped;
+        const part = formatPercent(offset / bytes);
+        setText(state, isBeingMapped ? text('upload.mapping', { name }) : isWhole ? text('upload.whole', { name }) : text('upload.part', { name, part }));
       },
     };
   }

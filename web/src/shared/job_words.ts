@@ -6,7 +6,7 @@ const kEnds: Record<string, TextKey> = {
   prepared: 'job.end.prepared', mapped: 'job.end.mapped', mapped_damaged: 'job.end.mapped_damaged', nothing_waited: 'job.end.nothing_waited',
   learned: 'job.end.learned', no_room_named: 'job.end.no_room_named', one_room: 'job.end.one_room',
   no_network: 'job.end.no_network', file_unknown: 'job.end.file_unknown', no_recording: 'job.end.no_recording',
-  several_recordings: 'job.end.several_recordings', file_damaged: 'job.end.file_damaged', file_unsafe: 'job.end.file_unsafe',
+  several_recordings: 'job.end.several_recordings', file_damaged: 'job.end.file_damaged', file_unsafe: 'job.end.file_unsafe', walk_known: 'job.end.walk_known',
   taught: 'job.end.taught', taught_for_later: 'job.end.taught_for_later', looked_for: 'job.end.looked_for', name_is_none: 'job.end.name_is_none',
   erased: 'job.end.erased',
   disk_full: 'job.end.disk_full', damaged: 'job.end.damaged',

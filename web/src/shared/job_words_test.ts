@@ -14,7 +14,7 @@ test('what a job came to is said in the language of the page, with its numbers',
     ended('mapped_damaged', { placed: 1234, pictures: 2000, things: 7, damaged: 3 }), ended('stopped'),
     ended('learned', { rooms: 3, right: 9, tested: 10 }), ended('no_room_named'), ended('one_room'),
     ended('few_pictures', { pictures: 3, wanted: 5 }), ended('no_network'), ended('file_unknown'), ended('no_recording'), ended('several_recordings'),
-    ended('file_damaged'), ended('file_unsafe'), ended('taught'), ended('taught_for_later'), ended('looked_for'), ended('name_is_none'), ended('erased'),
+    ended('file_damaged'), ended('file_unsafe'), ended('walk_known'), ended('taught'), ended('taught_for_later'), ended('looked_for'), ended('name_is_none'), ended('erased'),
     ended('disk_full'), ended('damaged'),
   ];
   const said = new Set<string>();

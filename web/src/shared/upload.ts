@@ -8,6 +8,7 @@ export interface UploadState {
   bytes: number;
   offset: number; // bytes that are there
   chunk_bytes: number; // the most that a piece may have
+  is_being_mapped?: boolean; // in the list of those that wait
 }
 
 export interface UploadParts {

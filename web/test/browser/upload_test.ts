@@ -56,12 +56,17 @@ test('what is there already is not sent again, and what waits can be mapped or r
   server.state.uploads = [
     { upload: 'u1', name: 'scan 2500.zip', bytes: 2500, offset: 2000, chunk_bytes: 1000 },
     { upload: 'u2', name: 'old.zip', bytes: 10, offset: 10, chunk_bytes: 1000 },
+    { upload: 'u3', name: 'flat.zip', bytes: 10, offset: 10, chunk_bytes: 1000, is_being_mapped: true },
   ];
   server.state.uploaded = Buffer.from(content.subarray(0, 2000));
   const visit = await openVisit(server, { role: 'helper' });
   await visit.go('/#walks');
   await visit.sees('scan 2500.zip: 80% is there');
   await visit.sees('old.zip is there and not mapped');
+  await visit.sees('flat.zip is being mapped');
+  const buttons = (name: string): Promise<number> => visit.page.$$eval('button:not([hidden])', (all, file) =>
+    all.filter((one) => one.ariaLabel?.endsWith(` ${file}`)).length, name);
+  assert.deepEqual([await buttons('old.zip'), await buttons('flat.zip')], [2, 0]);
   await visit.assertAccessible('what waits');
   await visit.sees('Connected', '.chip');
   tellJob(server, 'running', 0.1, 'mapping', 'map');
