@@ -191,6 +191,37 @@ TEST_F(RoomEdits, ARoomIsDividedByALineOnTheFloorAndInTheWalks) {
   EXPECT_EQ(type_of("study"), "study");
 }
 
+TEST_F(RoomEdits, ALineChangesNoRoomBesideThoseThatItNames) {
+  ASSERT_OK(name_frames(*home_, kAnna, 1,
+                        labels({{0, 19, "kitchen"}, {20, 39, "bedroom"}, {40, 59, "bath"}})));
+  const auto floor = [&](const std::string& room) {
+    const auto layout = find_room_layout(*home_, floor_.frame, *floor_.grid).value().value();
+    std::vector<std::pair<int, int>> cells;
+    for (int row = 0; row < floor_.grid->rows(); ++row) {
+      for (int column = 0; column < floor_.grid->columns(); ++column) {
+        const auto index = layout.room_of_cell(column, row);
+        if (index && layout.rooms()[*index].name == room) cells.emplace_back(column, row);
+      }
+    }
+    return cells;
+  };
+  const auto kitchen = floor("kitchen"), bath = floor("bath");
+  ASSERT_OK(divide_room(*home_, kAnna, floor_, "bedroom", upwards(3.9), "study"));
+  EXPECT_EQ(floor("kitchen"), kitchen);
+  EXPECT_EQ(floor("bath"), bath) << "the bedroom keeps a strip before it";
+  ASSERT_OK(rename_room(*home_, kAnna, "study", "office"));
+  const auto bedroom = floor("bedroom");
+  ASSERT_OK(move_border(*home_, kAnna, floor_, "kitchen", "office", upwards(0.4)));
+  EXPECT_EQ(floor("bedroom"), bedroom);
+  EXPECT_EQ(floor("bath"), bath);
+  ASSERT_OK(draw_room(*home_, kAnna, floor_, "pantry", {{0.5, 0}, {3, 0}, {3, 2}, {0.5, 2}}));
+  EXPECT_EQ(floor("bedroom"), bedroom);
+  EXPECT_EQ(floor("bath"), bath);
+  ASSERT_OK(name_frames(*home_, kAnna, 1,
+                        labels({{0, 4, "kitchen"}, {5, 49, "bedroom"}, {50, 59, "bath"}})));
+  EXPECT_LT(floor("bath").size(), bath.size()) << "who names frames anew says where rooms are";
+}
+
 TEST_F(RoomEdits, ADivisionStandsWhenALaterWalkNamesTheRoomAsBefore) {
   ASSERT_OK(divide_room(*home_, kAnna, floor_, "bedroom", upwards(4.5), "study"));
   const auto walk = add_walk("tuesday");

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "roomwise/base/in_context.h"
 #include "roomwise/pipeline/rooms/room_contents.h"
+#include "roomwise/pipeline/stored/stored_edits.h"
 #include "roomwise/rooms/recognition/room_classifier.h"
 
 namespace roomwise::pipeline {
@@ -31,15 +33,6 @@ Json ranges_json(const std::vector<recording::RoomRange>& ranges) {
     json.push_back({range.first_frame, range.last_frame, range.room, range.stay});
   }
   return json;
-}
-
-std::vector<recording::RoomRange> ranges_of(const Json& json) {
-  std::vector<recording::RoomRange> ranges;
-  for (const Json& one : json) {
-    ranges.push_back({one.at(0).get<std::uint64_t>(), one.at(1).get<std::uint64_t>(),
-                      one.at(2).get<std::string>(), one.at(3).get<int>()});
-  }
-  return ranges;
 }
 
 // Those of one list that the other has not.
@@ -83,12 +76,13 @@ Expected<void> add_missing_rooms(home::Home& home, const Json& changed) {
   return home.replace_rooms(rooms);
 }
 
-Expected<void> restore_ranges(home::Home& home, const Json& changed) {
+Expected<void> restore_ranges(home::Home& home, const std::string& changed) {
+  ROOMWISE_TRY(const auto before, ranges_before(changed));
   ROOMWISE_TRY(const auto recordings, home.recordings());
   for (const home::StoredRecording& recording : recordings) {
-    const auto of_walk = changed.find(std::to_string(recording.id));
-    if (of_walk == changed.end()) continue;
-    ROOMWISE_RETURN_IF_ERROR(home.replace_room_ranges(recording.id, ranges_of(*of_walk)));
+    const auto of_walk = before.find(recording.id);
+    if (of_walk == before.end()) continue;
+    ROOMWISE_RETURN_IF_ERROR(home.replace_room_ranges(recording.id, of_walk->second));
   }
   return {};
 }
@@ -174,7 +168,8 @@ Expected<void> restore_tables(home::Home& home, const std::string& changed) {
   try {
     if (tables.contains("rooms"))
       ROOMWISE_RETURN_IF_ERROR(add_missing_rooms(home, tables["rooms"]));
-    if (tables.contains("ranges")) ROOMWISE_RETURN_IF_ERROR(restore_ranges(home, tables["ranges"]));
+    ROOMWISE_RETURN_IF_ERROR(
+        in_context(home.file() + ": is damaged", restore_ranges(home, changed)));
     if (tables.contains("rooms")) ROOMWISE_RETURN_IF_ERROR(restore_rooms(home, tables["rooms"]));
     if (tables.contains("claims")) return restore_claims(home, tables["claims"]);
   } catch (const Json::exception& error) {

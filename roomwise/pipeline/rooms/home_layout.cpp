@@ -1,6 +1,7 @@
 #include "roomwise/pipeline/rooms/home_layout.h"
 
 #include <algorithm>
+#include <map>
 
 #include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/stored_edits.h"
@@ -85,6 +86,73 @@ bool are_known(const rooms::LayoutEdit& edit, std::span<const rooms::Room> rooms
   return std::ranges::all_of(std::get<rooms::AddedDoor>(edit).rooms, is_known);
 }
 
+// Lines and outlines give frames to other rooms. Which room a frame was in before, as rooms are
+// called now.
+class RoomsBeforeEdits {
+ public:
+  static Expected<RoomsBeforeEdits> of(const home::Home& home,
+                                       const fusion::GravityAlignedFrame& frame) {
+    RoomsBeforeEdits read;
+    ROOMWISE_TRY(const auto edits, stored_edits(home));
+    ROOMWISE_TRY(const auto keyframes, home.keyframes());
+    ROOMWISE_TRY(const auto rooms, home.rooms());
+    for (std::size_t i = edits.size(); i-- > 0;) {
+      const bool is_by_name = edits[i].kind == EditKind::kNameFrames;
+      const std::span later = std::span(edits).subspan(i + 1);
+      Step step;
+      if (!is_by_name) {
+        auto laid = on_the_floor(edits[i], keyframes, frame);
+        if (!laid || std::holds_alternative<rooms::AddedDoor>(*laid)) continue;
+        EditChange change = edits[i].change;
+        call_as_later(later, change);
+        step.rooms = {change.room};
+        if (!change.other_room.empty()) step.rooms.push_back(change.other_room);
+        // Of a room that was removed since nothing is laid over the floor.
+        if (!std::ranges::all_of(step.rooms, [&](const auto& one) { return is_in(rooms, one); }))
+          continue;
+      }
+      ROOMWISE_TRY(auto before, ranges_before(edits[i].before));
+      for (auto& [walk, ranges] : before) {
+        for (recording::RoomRange& range : ranges) {
+          EditChange of_range{.room = range.room};
+          call_as_later(later, of_range);
+          range.room = is_in(rooms, of_range.room) ? of_range.room : std::string();
+        }
+        step.before = std::move(ranges);
+        read.steps_[walk].push_back(step);
+      }
+    }
+    return read;
+  }
+
+  [[nodiscard]] std::string room(home::RecordingId walk, std::uint64_t frame,
+                                 std::string now) const {
+    const auto steps = steps_.find(walk);
+    if (steps == steps_.end() || now.empty()) return now;
+    for (const Step& step : steps->second) {
+      const auto range = std::ranges::find_if(step.before, [&](const recording::RoomRange& one) {
+        return one.first_frame <= frame && frame <= one.last_frame;
+      });
+      const std::string before = range == step.before.end() ? std::string() : range->room;
+      if (before == now) continue;
+      const bool is_given = std::ranges::count(step.rooms, now) > 0;
+      if (step.rooms.empty() || (is_given && before.empty())) return now;  // somebody named it so
+      if (is_given) now = before;
+    }
+    return now;
+  }
+
+ private:
+  struct Step {
+    std::vector<recording::RoomRange> before;
+    std::vector<std::string> rooms;  // that frames were given to; none: somebody named them
+  };
+  static bool is_in(std::span<const rooms::Room> rooms, const std::string& name) {
+    return std::ranges::find(rooms, name, &rooms::Room::name) != rooms.end();
+  }
+  std::map<home::RecordingId, std::vector<Step>> steps_;  // the newest first
+};
+
 Expected<void> check_rooms_are_named(const home::Home& home) {
   ROOMWISE_TRY(const auto rooms, home.rooms());
   if (!rooms.empty()) return {};
@@ -126,6 +194,7 @@ Expected<std::optional<rooms::RoomLayout>> find_room_layout(
     const home::Home& home, const fusion::GravityAlignedFrame& frame, const fusion::FloorGrid& grid,
     const rooms::RoomLayoutOptions& options) {
   ROOMWISE_TRY(const auto recordings, home.recordings());
+  ROOMWISE_TRY(const RoomsBeforeEdits before, RoomsBeforeEdits::of(home, frame));
   std::vector<rooms::WalkedPath> walks;
   for (const home::StoredRecording& recording : recordings) {
     ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording.id));
@@ -138,7 +207,8 @@ Expected<std::optional<rooms::RoomLayout>> find_room_layout(
       if (storey && *storey != here) walks.emplace_back();
       storey = here;
       const recording::RoomRange* const range = labels.find(one.index);
-      walks.back().push_back({one.point_plan, range != nullptr ? range->room : std::string()});
+      const std::string room = range != nullptr ? range->room : std::string();
+      walks.back().push_back({one.point_plan, room, before.room(recording.id, one.index, room)});
     }
   }
   ROOMWISE_TRY(const auto edits, layout_edits(home, frame));

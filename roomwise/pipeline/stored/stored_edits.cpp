@@ -174,6 +174,25 @@ Expected<std::vector<home::StoredRecording>> walks_that_stay(const home::Home& h
   return walks;
 }
 
+Expected<std::map<home::RecordingId, std::vector<recording::RoomRange>>> ranges_before(
+    const std::string& before) {
+  std::map<home::RecordingId, std::vector<recording::RoomRange>> ranges;
+  const Json tables = Json::parse(before, nullptr, false);
+  try {
+    if (!tables.contains("ranges")) return ranges;
+    for (const auto& [walk, of_walk] : tables.at("ranges").items()) {
+      auto& read = ranges[static_cast<home::RecordingId>(std::stoull(walk))];
+      for (const Json& one : of_walk) {
+        read.push_back({one.at(0).get<std::uint64_t>(), one.at(1).get<std::uint64_t>(),
+                        one.at(2).get<std::string>(), one.at(3).get<int>()});
+      }
+    }
+  } catch (const std::exception& error) {
+    return fail("what a change of rooms changed cannot be read: {}", error.what());
+  }
+  return ranges;
+}
+
 void call_as_later(std::span<const StoredEdit> later, EditChange& change) {
   for (const StoredEdit& edit : later) {
     const bool is_renamed = edit.kind == EditKind::kRenameRoom;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <set>
 #include <span>
@@ -78,6 +79,11 @@ struct StoredEdit {
 [[nodiscard]] std::set<home::RecordingId> walks_taken_away(std::span<const StoredEdit> edits);
 // The home's walks but those: what is shown, written for others and learned from.
 [[nodiscard]] Expected<std::vector<home::StoredRecording>> walks_that_stay(const home::Home& home);
+
+// Of a change of rooms, as StoredEdit::before: which frames were in which room before it, of the
+// walks where it changed that.
+[[nodiscard]] Expected<std::map<home::RecordingId, std::vector<recording::RoomRange>>>
+ranges_before(const std::string& before);
 
 // Calls a change's rooms as changes after it do: those that renamed or joined them.
 void call_as_later(std::span<const StoredEdit> later, EditChange& change);

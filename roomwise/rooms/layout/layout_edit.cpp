@@ -52,11 +52,20 @@ bool DrawnRoom::contains(const Vector2d& p) const {
 }
 
 void add_edited_rooms(std::span<const LayoutEdit> edits, NamedWalks& walks) {
-  std::set<std::string> all(walks.names.begin(), walks.names.end());
+  std::vector<std::string> rooms;
   for (const LayoutEdit& edit : edits) {
-    if (const auto* line = std::get_if<BorderLine>(&edit)) all.insert({line->left, line->right});
-    if (const auto* drawn = std::get_if<DrawnRoom>(&edit)) all.insert(drawn->room);
+    if (const auto* line = std::get_if<BorderLine>(&edit)) {
+      rooms.push_back(line->left);
+      rooms.push_back(line->right);
+    }
+    if (const auto* drawn = std::get_if<DrawnRoom>(&edit)) rooms.push_back(drawn->room);
   }
+  add_rooms(rooms, walks);
+}
+
+void add_rooms(std::span<const std::string> rooms, NamedWalks& walks) {
+  std::set<std::string> all(walks.names.begin(), walks.names.end());
+  all.insert(rooms.begin(), rooms.end());
   if (all.size() == walks.names.size()) return;
   const std::vector<std::string> names(all.begin(), all.end());
   const auto renumber = [&](std::int16_t& room) {

@@ -42,6 +42,8 @@ using LayoutEdit = std::variant<BorderLine, DrawnRoom, AddedDoor>;
 
 // The rooms that lines and outlines name beside those of the walks, which so get a number.
 void add_edited_rooms(std::span<const LayoutEdit> edits, NamedWalks& walks);
+// Those of other walks likewise.
+void add_rooms(std::span<const std::string> rooms, NamedWalks& walks);
 
 // Gives the cells of lines and outlines to their rooms, in the order of edits. `room_of`: by the
 // numbers of `names`. A room drawn takes floor and what already belongs to a room; cells that are

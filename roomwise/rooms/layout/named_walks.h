@@ -14,6 +14,7 @@ namespace roomwise::rooms {
 struct WalkedPlace {
   Eigen::Vector2d point_plan = Eigen::Vector2d::Zero();
   std::string room;
+  std::string room_before_edits = {};  // where a line or an outline (LayoutEdit) made it another's
 };
 using WalkedPath = std::vector<WalkedPlace>;  // in the order of time
 

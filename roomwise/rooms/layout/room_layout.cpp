@@ -275,6 +275,17 @@ std::vector<RoomExtent> find_extents(const FloorGrid& grid, const FreeFloor& flo
   return extents;
 }
 
+// As walks named their places before lines and outlines made them other rooms'.
+NamedWalks read_walks_before_edits(std::span<const WalkedPath> walks, double unsure_path_m) {
+  std::vector<WalkedPath> before(walks.begin(), walks.end());
+  for (WalkedPath& walk : before) {
+    for (WalkedPlace& place : walk) {
+      if (!place.room_before_edits.empty()) place.room = place.room_before_edits;
+    }
+  }
+  return read_walks(before, unsure_path_m);
+}
+
 // Looked at every half standard deviation: where, in standard deviations, and how much of it.
 std::vector<std::pair<Vector2d, double>> normal_distribution() {
   constexpr int kReach = 6;
@@ -312,6 +323,10 @@ Expected<RoomLayout> RoomLayout::make(const FloorGrid& grid, std::span<const Wal
   ROOMWISE_RETURN_IF_ERROR(options.validate());
   NamedWalks read = read_walks(walks, options.unsure_path_m);
   add_edited_rooms(edits, read);
+  // Edits are laid over what is spread without them, so that they change no room beside theirs.
+  NamedWalks before = read_walks_before_edits(walks, options.unsure_path_m);
+  add_rooms(before.names, read);
+  add_rooms(read.names, before);
 
   RoomLayout layout;
   layout.origin_m_ = grid.origin_m();
@@ -319,7 +334,7 @@ Expected<RoomLayout> RoomLayout::make(const FloorGrid& grid, std::span<const Wal
   layout.room_of_cell_ = RoomCells(grid.columns(), grid.rows(), kNoRoom);
   layout.floor_ = free_floor(grid, walks);
   const FreeFloor& floor = layout.floor_;
-  spread_over_floor(grid, floor, read, options.unsure_path_m, options.farthest_seed_m,
+  spread_over_floor(grid, floor, before, options.unsure_path_m, options.farthest_seed_m,
                     layout.room_of_cell_);
   take_furniture_in(grid, floor, options.furniture_depth_m, layout.room_of_cell_);
   apply_edits(grid, floor, edits, read.names, layout.room_of_cell_);
