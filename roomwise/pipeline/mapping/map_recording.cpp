@@ -58,16 +58,32 @@ Expected<home::StoredRecording> begin_or_resume(home::Home& home, const home::Re
   return last;
 }
 
+// Whether the home's pictures of a key-frame are the frame's; absent where they cannot be read.
+Expected<std::optional<bool>> is_of_frame(const home::Home& home, home::KeyframeId keyframe,
+                                          const image::RgbdFrame& frame, const RunContext& run) {
+  const auto images = home.images(keyframe);
+  if (!images) ROOMWISE_RETURN_IF_ERROR(go_on_without(home, keyframe, images.error(), run.lost));
+  const auto color = images ? image::decode_color(images->color) : Unexpected(images.error());
+  const auto depth = images ? image::decode_depth(images->depth) : Unexpected(images.error());
+  if (!color || !depth) return std::nullopt;
+  return *color == frame.color && *depth == frame.depth;
+}
+
 // A map goes on with the frames of the recording that it was begun with: the newest key-frame's
-// frame must be there, taken at the same time.
+// frame must be there, taken at the same time, and show the same. Times alone may be made up.
 Expected<void> go_to_next_frame(recording::FrameSource& source, const home::Home& home,
-                                const home::StoredRecording& stored) {
+                                const home::StoredRecording& stored, const RunContext& run) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   if (!keyframes.empty() && keyframes.back().recording == stored.id) {
     source.skip_before(keyframes.back().frame_index);
     ROOMWISE_TRY(const auto frame, source.next());
-    if (!frame || frame->index != keyframes.back().frame_index ||
-        frame->timestamp_ns != keyframes.back().timestamp_ns) {
+    bool is_same = frame && frame->index == keyframes.back().frame_index &&
+                   frame->timestamp_ns == keyframes.back().timestamp_ns;
+    if (is_same) {
+      ROOMWISE_TRY(const auto is_seen, is_of_frame(home, keyframes.back().id, *frame, run));
+      is_same = is_seen.value_or(true);
+    }
+    if (!is_same) {
       return fail("{}: holds the unfinished map of {}, and {} is another recording; give that one",
                   home.file(), stored.recording.name, source.info().name);
     }
@@ -88,17 +104,12 @@ Expected<void> check_is_new(const home::Home& home, const home::Recording& recor
         keyframe.timestamp_ns != first_keyframe.timestamp_ns) {
       continue;
     }
-    const auto images = home.images(keyframe.id);
     const home::Recording& known =
         std::ranges::find(recordings, keyframe.recording, &home::StoredRecording::id)->recording;
-    if (!images)
-      ROOMWISE_RETURN_IF_ERROR(go_on_without(home, keyframe.id, images.error(), run.lost));
-    const auto color = images ? image::decode_color(images->color) : Unexpected(images.error());
-    const auto depth = images ? image::decode_depth(images->depth) : Unexpected(images.error());
-    const bool is_same = color && depth
-                             ? *color == first_keyframe.color && *depth == first_keyframe.depth
-                             : known.name == recording.name && known.camera == recording.camera &&
-                                   known.frame_count == recording.frame_count;
+    ROOMWISE_TRY(const auto is_seen, is_of_frame(home, keyframe.id, first_keyframe, run));
+    const bool is_same =
+        is_seen.value_or(known.name == recording.name && known.camera == recording.camera &&
+                         known.frame_count == recording.frame_count);
     if (!is_same) continue;
     return fail_with(ErrorCode::kRefused,
                      "{}: holds this recording already, as {}; nothing was added", home.file(),
@@ -295,7 +306,7 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
                                    const std::function<Expected<void>()>& name_rooms) {
   ROOMWISE_RETURN_IF_ERROR(settings.validate());
   ROOMWISE_TRY(const home::StoredRecording stored, begin_or_resume(home, recording, settings));
-  ROOMWISE_RETURN_IF_ERROR(go_to_next_frame(source, home, stored));
+  ROOMWISE_RETURN_IF_ERROR(go_to_next_frame(source, home, stored, run));
   const geometry::PinholeCamera& camera = source.info().camera;
   const auto extractor = features::make_extractor(settings.features, settings.max_keypoints);
   const std::filesystem::path folder = std::filesystem::absolute(home.file()).parent_path();

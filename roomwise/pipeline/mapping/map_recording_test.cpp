@@ -892,6 +892,9 @@ TEST_F(MapRecording, RefusesToGoOnWithAnotherRecording) {
   EXPECT_ERROR(map(folder_ / "a.home", later, 1), "is another recording");
   SyntheticWalk shorter(4);
   EXPECT_ERROR(map(folder_ / "a.home", shorter, 1), "is another recording");
+  SyntheticWalk elsewhere(kFrames);
+  elsewhere.home = 1;
+  EXPECT_ERROR(map(folder_ / "a.home", elsewhere, 1), "is another recording");
   EXPECT_EQ(digest(folder_ / "a.home"), before);
 }
 
