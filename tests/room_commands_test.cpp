@@ -9,6 +9,7 @@
 #include "made_up_recording.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/home/home.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/network/testing/tiny_network.h"
 #include "run_program.h"
@@ -224,6 +225,13 @@ TEST_F(RoomCommandsTest, RoomsAreNamedByFramesAndByTime) {
       run_roomwise({"rooms", "name", "--home", home, "--frames", "9 to 12 is the porch"});
   EXPECT_EQ(wrong.exit_code, 1);
   EXPECT_THAT(wrong.errors, HasSubstr("FIRST-LAST=ROOM"));
+}
+
+TEST_F(RoomCommandsTest, OfAHomeWithoutAWalkNothingIsToldToBeThere) {
+  ASSERT_OK(home::Home::create(path("bare.home")));
+  const ProgramResult bare = run_roomwise({"rooms", "coverage", "--home", path("bare.home")});
+  EXPECT_EQ(bare.exit_code, 1);
+  EXPECT_THAT(bare.errors, HasSubstr("bare.home: has no map yet; map a walk first"));
 }
 
 TEST_F(RoomCommandsTest, WhatTheWalksLackIsTold) {

@@ -154,6 +154,8 @@ Answer answer_of(const RoomCoverage& coverage, const pipeline::CoverageOptions& 
 
 Expected<Answer> cover(const CoverageCommandOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  if (keyframes.empty()) return fail("{}: has no map yet; map a walk first", home.file());
   CommandRun run(context);
   const pipeline::CoverageOptions how;
   ROOMWISE_TRY(const RoomCoverage coverage, pipeline::find_room_coverage(home, how, run));
