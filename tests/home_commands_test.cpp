@@ -164,6 +164,12 @@ TEST_F(HomeCommandsTest, ExportSaysWhatIsWrong) {
               HasSubstr("cells of 0.02 m"));
   EXPECT_THAT(error_of({"floor", "--home", home, "-o", path("x.yaml"), "--height", "0.1"}),
               HasSubstr("person_height_m"));
+  for (const char* cloud : {"ply", "pcd"}) {
+    for (const char* voxel : {"1e-6", "1e-9", "1.5"}) {
+      EXPECT_THAT(error_of({cloud, "--home", home, "-o", path("x.cloud"), "--voxel", voxel}),
+                  HasSubstr("--voxel must be 0.001 to 1 m"));
+    }
+  }
   EXPECT_THAT(error_of({"glb", "--home", home, "-o", "/dev/full"}), HasSubstr("/dev/full"));
 }
 
@@ -553,6 +559,34 @@ TEST_F(HomeCommandsTest, RecordNamesTheRoomItStartsIn) {
              "--seconds", "0.5"});
   EXPECT_THAT(read_text_file(path("named/rooms.txt")).value(), HasSubstr("my room"));
   EXPECT_EQ(result_of({"info", path("named")}).at("frames"), 6);
+}
+
+TEST_F(HomeCommandsTest, RecordLeavesNoFolderWhereTheCommandIsWrong) {
+  const std::vector<std::string> record{"record", "--source", path("walk"), "-o", path("wrong")};
+  const auto with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> command = record;
+    command.insert(command.end(), more.begin(), more.end());
+    return run_roomwise(command);
+  };
+  EXPECT_EQ(with({"--room", "a  b"}).exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(path("wrong")));
+  EXPECT_EQ(with({"--frames", "0"}).exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(path("wrong")));
+  EXPECT_EQ(with({"--room", "a b", "--frames", "1"}).exit_code, 0);
+}
+
+TEST_F(HomeCommandsTest, NumbersThatCountAreNotNegative) {
+  const std::string home = path("my.home");
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"locate", path("walk"), "--home", home, "--frame", "-1"},
+           {"rooms", "eval", "--recording", path("walk"), "--home", home, "--margin", "-1"},
+           {"rooms", "eval", "--recording", path("walk"), "--home", home, "--pair-step", "-1"},
+           {"rooms", "eval", "--recording", path("walk"), "--home", home, "--max-voted", "-1"},
+           {"map", path("walk"), "--home", home, "--working-set", "-1"}}) {
+    const ProgramResult result = run_roomwise(command);
+    EXPECT_EQ(result.exit_code, 2) << command.back();
+    EXPECT_THAT(result.errors, HasSubstr("-1 must not be negative")) << command.end()[-2];
+  }
 }
 
 TEST_F(HomeCommandsTest, JsonFileHoldsTheSameAsJson) {

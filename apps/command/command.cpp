@@ -89,12 +89,14 @@ CLI::Validator number_that(bool (*is_right)(double), const std::string& demand) 
 }
 
 // An option that may be repeated takes one value each time: "--network a.onnx walk" must not take
-// the recording for a second network.
-void take_one_value_at_a_time(CLI::App& app) {
+// the recording for a second network. And no count is negative.
+void settle_options(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
     if (!option->get_positional()) option->allow_extra_args(false);
+    // CLI11 reads -1 as the largest number there is.
+    if (option->get_type_name().starts_with("UINT")) option->check(not_negative());
   }
-  for (CLI::App* command : app.get_subcommands({})) take_one_value_at_a_time(*command);
+  for (CLI::App* command : app.get_subcommands({})) settle_options(*command);
 }
 
 }  // namespace
@@ -145,7 +147,7 @@ CLI::Validator positive() {
 }
 
 int run(CLI::App& app, Context& context, int argc, const char* const* argv) {
-  take_one_value_at_a_time(app);
+  settle_options(app);
   // Asked by the build alone, which installs what is written.
   if (argc == 3 && std::string_view(argv[1]) == "--write-help") {
     const std::string program = std::filesystem::path(argv[0]).filename().string();

@@ -39,6 +39,11 @@ Answer wrote(const fs::path& output, const std::string& what, std::size_t count)
 }
 
 Expected<pipeline::MapCloud> build_cloud(const ExportOptions& options, Context& context) {
+  // Finer than depth is measured; in so small voxels a home's points are too many to be told apart.
+  constexpr double kFinest_m = 0.001, kCoarsest_m = 1;
+  if (!(options.voxel_size_m >= kFinest_m && options.voxel_size_m <= kCoarsest_m)) {
+    return fail("--voxel must be {} to {} m, not {}", kFinest_m, kCoarsest_m, options.voxel_size_m);
+  }
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
   ROOMWISE_TRY(pipeline::MapCloud map, pipeline::build_map_cloud(home, options.voxel_size_m, run));

@@ -56,7 +56,10 @@ class CurrentRoom {
  public:
   static Expected<CurrentRoom> start(const RecordOptions& options) {
     CurrentRoom current;
-    if (!options.room.empty()) current.room_ = options.room;
+    if (!options.room.empty()) {
+      ROOMWISE_RETURN_IF_ERROR(recording::validate_room_name(options.room));
+      current.room_ = options.room;
+    }
     const fs::path labels = fs::path(options.source) / "rooms.txt";
     if (options.room.empty() && !is_live_camera(options.source) && fs::exists(labels)) {
       ROOMWISE_TRY(current.labels_, recording::RoomLabels::read(labels));
@@ -93,8 +96,8 @@ TimestampNs to_calendar_ns(const recording::FrameSource& source, TimestampNs fir
 }
 
 Expected<void> copy_frames(recording::FrameSource& source, recording::TumWriter& writer,
-                           const RecordOptions& options, TerminalProgress& progress) {
-  ROOMWISE_TRY(CurrentRoom current, CurrentRoom::start(options));
+                           const RecordOptions& options, CurrentRoom& current,
+                           TerminalProgress& progress) {
   std::optional<TimestampNs> first_ns;
   TimestampNs offset_ns = 0;
   while (!progress.interrupted() && writer.frames_written() != options.frames) {
@@ -136,6 +139,7 @@ Expected<void> copy_ground_truth(const recording::FrameSource& source,
 Expected<Answer> run(const RecordOptions& options, Context& context) {
   ROOMWISE_TRY(const std::unique_ptr<recording::FrameSource> source, open_source(options, context));
   warn_of_camera(source->info().camera, context);
+  ROOMWISE_TRY(CurrentRoom current, CurrentRoom::start(options));  // before a folder is made
   ROOMWISE_TRY(const std::unique_ptr<recording::TumWriter> writer,
                recording::TumWriter::create(options.output, source->info().camera));
   context.progress.begin("recording", expected_frames(options, source->info().frames_remaining));
@@ -148,7 +152,7 @@ Expected<Answer> run(const RecordOptions& options, Context& context) {
   }
   recording::FrameSource& read = ahead ? *ahead : *source;
   recording::DamageTolerantSource frames(read, options.skip_damaged && !is_live);
-  Expected<void> copied = copy_frames(frames, *writer, options, context.progress);
+  Expected<void> copied = copy_frames(frames, *writer, options, current, context.progress);
   if (!copied && frames.is_stopped() && !is_live) {
     copied.error().message += kNamingSkipDamaged;
   }
@@ -193,8 +197,7 @@ void add_record_command(CLI::App& app, Context& context) {
       kSkipDamaged, options.skip_damaged,
       "Leave out frames of a recording that cannot be read, and name them; without it "
       "the first such ends the copy");
-  command->add_option("--frames", options.frames, "Stop after this many frames")
-      ->check(not_negative());
+  command->add_option("--frames", options.frames, "Stop after this many frames")->check(positive());
   command->add_option("--seconds", options.seconds, "Stop after this many seconds of the recording")
       ->check(not_negative());
 }
