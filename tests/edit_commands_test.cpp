@@ -100,6 +100,29 @@ TEST_F(EditCommandsTest, EveryChangeIsTakenBackToTheBit) {
   EXPECT_THAT(failure_of({"undo"}), HasSubstr("nothing was changed by hand"));
 }
 
+TEST_F(EditCommandsTest, HistoryNamesTheRoomThatTheListNames) {
+  edit({"move-thing", "canapé \"3\"", "--room", testing::kMadeUpKitchen});
+  const json listed = things();
+  const json told = result_of({"objects", "history", "--home", home_}).at("things");
+  ASSERT_EQ(told.size(), listed.size());
+  for (std::size_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i].at("room"), listed[i].at("room"));
+  EXPECT_EQ(told[0].at("room"), testing::kMadeUpKitchen);
+}
+
+TEST_F(EditCommandsTest, AnUndoOfNoChangeChangesNothing) {
+  edit({"rename-thing", "table#2", "desk"});
+  EXPECT_THAT(failure_of({"undo", "0"}), HasSubstr("has no change 0"));
+  EXPECT_THAT(names(), ElementsAre("canapé \"3\"", "table", "desk"));
+}
+
+TEST_F(EditCommandsTest, HintsCanBePastedWhereTheHomesPathHasBlanks) {
+  std::filesystem::rename(home_, folder_ / "my own.home");
+  home_ = folder_ / "my own.home";
+  EXPECT_THAT(run_roomwise(with_home({"rename-thing", "table#2", "desk"}, home_)).output,
+              HasSubstr("--home '" + home_ + "')"));
+  EXPECT_THAT(failure_of({"rename-thing", "dragon", "desk"}), HasSubstr("--home '" + home_ + "'"));
+}
+
 TEST_F(EditCommandsTest, RoomsAreDividedAndJoined) {
   const json layout = result_of({"rooms", "layout", "--home", home_});
   const json middle = layout.at("rooms")[0].at("middle_m");

@@ -7,6 +7,7 @@
 #include "command_run.h"
 #include "commands.h"
 #include "open_home.h"
+#include "paths.h"
 #include "roomwise/live/recording/room_photos.h"
 #include "roomwise/pipeline/edits/edit_rooms.h"
 #include "roomwise/pipeline/edits/thing_target.h"
@@ -27,7 +28,7 @@ struct EditOptions {
   std::optional<double> height_m;
   std::string room, note;
   std::vector<double> line_m, outline_m;
-  home::EditId change = 0;  // 0: the newest
+  std::optional<home::EditId> change;  // absent: the newest
 };
 
 // The photos of rooms lie beside the home, as serve keeps them.
@@ -62,7 +63,7 @@ Expected<pipeline::HomeThing> find_thing(const home::Home& home, const std::stri
     if (read.ptr == end && number >= 1 && number <= of_name.size()) return *of_name[number - 1];
   }
   return fail("{}: has no thing called {}; see what there is: roomwise objects list --home {}",
-              home.file(), text, home.file());
+              home.file(), text, shell_word(home.file()));
 }
 
 Expected<pipeline::ThingTarget> find_target(const home::Home& home, const EditOptions& options,
@@ -202,7 +203,7 @@ Expected<Answer> change(const EditOptions& options, Context& context) {
   const auto made = std::ranges::find(edits, id, &pipeline::StoredEdit::id);
   const std::string words = pipeline::describe(*made);
   return Answer{fmt::format("{} (change {}; undo it: roomwise edit undo {} --home {})\n", words, id,
-                            id, options.home.string()),
+                            id, shell_word(options.home)),
                 {{"change", id}, {"did", words}}};
 }
 
@@ -237,7 +238,7 @@ Expected<Answer> undo(const EditOptions& options, Context& context) {
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(const auto edits, pipeline::stored_edits(home));  // marked places are none
   if (edits.empty()) return fail("{}: nothing was changed by hand", home.file());
-  const home::EditId id = options.change != 0 ? options.change : edits.back().id;
+  const home::EditId id = options.change.value_or(edits.back().id);
   live::RoomPhotos photos = photos_of(options);
   const auto undone = live::undo_edit(home, photos, id);
   const Expected<void> settled = photos.settle(home);

@@ -1,5 +1,7 @@
 #include "history_words.h"
 
+#include <algorithm>
+
 #include "pose_json.h"
 
 namespace roomwise::app {
@@ -10,20 +12,44 @@ using pipeline::WalkEvent;
 
 Expected<HistoryWords> HistoryWords::of(const home::Home& home) {
   HistoryWords words;
-  ROOMWISE_TRY(words.history_, pipeline::find_home_history(home));
+  ROOMWISE_TRY(pipeline::HomeThings things, pipeline::find_home_things(home));
+  ROOMWISE_TRY(words.history_, pipeline::find_home_history(home, things));
+  words.things_ = std::move(things.things);
   ROOMWISE_TRY(words.walks_, WalkWords::of(home));
   ROOMWISE_TRY(words.keyframes_, home.keyframes());
   ROOMWISE_TRY(words.rooms_, pipeline::rooms_of_keyframes(home));
   return words;
 }
 
-std::string HistoryWords::room(const objects::Instance& thing) const {
+namespace {
+
+pipeline::HomeThing as_thing(const objects::Instance& instance) {
+  pipeline::HomeThing thing;
+  static_cast<objects::Instance&>(thing) = instance;
+  return thing;
+}
+
+}  // namespace
+
+std::string HistoryWords::room(const ThingHistory& thing) const {
+  // Somebody may have put it elsewhere by hand.
+  const auto corrected = std::ranges::find_if(
+      things_, [&](const pipeline::HomeThing& one) { return history_.of(one) == &thing; });
+  return room(corrected != things_.end() ? *corrected : as_thing(thing.thing));
+}
+
+std::string HistoryWords::room_before(const WalkEvent& event) const {
+  return event.from ? room(as_thing(*event.from)) : std::string();
+}
+
+std::string HistoryWords::room(const pipeline::HomeThing& thing) const {
+  if (room_of_) return room_of_(thing);
   const auto room = rooms_.find(thing.keyframe_id);
   return room == rooms_.end() ? std::string() : room->second;
 }
 
 std::string HistoryWords::line(const ThingHistory& thing) const {
-  const std::string in = room(thing.thing);
+  const std::string in = room(thing);
   std::string line = thing.thing.name + (in.empty() ? "" : ", " + in) + ":";
   for (const WalkEvent& event : thing.events) {
     const std::string& walk = walks_.name(event.walk);
@@ -33,7 +59,7 @@ std::string HistoryWords::line(const ThingHistory& thing) const {
     } else if (event.what == ThingEvent::kFound) {
       line += fmt::format(" found by {}", walk);
     } else if (const auto distance_m = pipeline::moved_m(thing, event, keyframes_)) {
-      const std::string from = room(*event.from);
+      const std::string from = room_before(event);
       line += fmt::format(" moved by {:.1f} m{} on {}", *distance_m,
                           from.empty() ? "" : ", from the " + from + ",", walk);
     } else {
@@ -48,10 +74,10 @@ std::string HistoryWords::line(const ThingHistory& thing) const {
 std::vector<std::string> HistoryWords::changes(home::RecordingId walk) const {
   std::vector<std::string> lines;
   for (const auto& [thing, event] : history_.changes_by(walk)) {
-    const std::string in = room(thing->thing);
+    const std::string in = room(*thing);
     std::string line = fmt::format("{} {}", thing->thing.name, pipeline::to_string(event->what));
     if (const auto distance_m = pipeline::moved_m(*thing, *event, keyframes_)) {
-      const std::string from = room(*event->from);
+      const std::string from = room_before(*event);
       line += fmt::format(" by {:.1f} m", *distance_m);
       if (!from.empty() && from != in) line += ", from the " + from;
     }
@@ -64,7 +90,7 @@ Json HistoryWords::event_json(const ThingHistory& thing, const WalkEvent& event)
   const auto distance_m = pipeline::moved_m(thing, event, keyframes_);
   return {{"what", pipeline::to_string(event.what)},
           {"moved_m", distance_m ? Json(*distance_m) : Json(nullptr)},
-          {"room_before", event.from ? word_or_null(room(*event.from)) : Json(nullptr)}};
+          {"room_before", word_or_null(room_before(event))}};
 }
 
 Json HistoryWords::changes_json(home::RecordingId walk) const {
@@ -72,7 +98,7 @@ Json HistoryWords::changes_json(home::RecordingId walk) const {
   for (const auto& [thing, event] : history_.changes_by(walk)) {
     Json one = event_json(*thing, *event);
     one["name"] = thing->thing.name;
-    one["room"] = word_or_null(room(thing->thing));
+    one["room"] = word_or_null(room(*thing));
     changes.push_back(std::move(one));
   }
   return changes;

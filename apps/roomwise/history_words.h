@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -28,10 +29,15 @@ class HistoryWords {
   [[nodiscard]] Json sighting_json(const pipeline::Sighting& seen) const;
   // {"walk", "what", "moved_m", "room_before"} each.
   [[nodiscard]] Json events_json(const pipeline::ThingHistory& thing) const;
-  // As the helper named it where the thing is seen best; empty: not known.
-  [[nodiscard]] std::string room(const objects::Instance& thing) const;
+  // That the thing stands in; empty: not known.
+  [[nodiscard]] std::string room(const pipeline::ThingHistory& thing) const;
+  // By `room_of`, which must outlive it; else as the helper named it where a thing is seen best.
+  using RoomOf = std::function<std::string(const pipeline::HomeThing&)>;
+  void place_by(RoomOf room_of) { room_of_ = std::move(room_of); }
 
  private:
+  [[nodiscard]] std::string room(const pipeline::HomeThing& thing) const;
+  [[nodiscard]] std::string room_before(const pipeline::WalkEvent& event) const;
   [[nodiscard]] Json event_json(const pipeline::ThingHistory& thing,
                                 const pipeline::WalkEvent& event) const;
 
@@ -39,6 +45,8 @@ class HistoryWords {
   WalkWords walks_;
   std::vector<home::Keyframe> keyframes_;
   pipeline::KeyframeRooms rooms_;
+  std::vector<pipeline::HomeThing> things_;  // as people corrected them
+  RoomOf room_of_;
 };
 
 }  // namespace roomwise::app

@@ -8,6 +8,7 @@
 #include "history_words.h"
 #include "networks.h"
 #include "open_home.h"
+#include "paths.h"
 #include "pose_json.h"
 #include "roomwise/home/home.h"
 #include "roomwise/network/vision/open_vocabulary.h"
@@ -170,7 +171,7 @@ Expected<Answer> list_found(const home::Home& home, const std::string& rule, Con
     if (finders.empty()) {
       answer.text = fmt::format(
           "no detector has looked at this home; let one: roomwise objects find --home {}\n",
-          home.file());
+          shell_word(home.file()));
     }
     ROOMWISE_TRY(const pipeline::HomeThings things, pipeline::find_home_things(home));
     ROOMWISE_TRY(const HistoryWords words, HistoryWords::of(home));
@@ -214,7 +215,7 @@ void add(Answer& answer, const pipeline::ThingHistory& gone, const HistoryWords&
          const Places& places) {
   const objects::Instance& thing = gone.thing;
   const home::Keyframe& keyframe = places.keyframes.at(thing.keyframe_id);
-  const std::string room = words.room(thing);
+  const std::string room = words.room(gone);
   const std::string& noticed_by = words.walks().name(gone.events.back().walk);
   const Eigen::Vector3d at = thing.box_world(keyframe.pose.world_from_keyframe).center();
   answer.text += fmt::format(
@@ -234,13 +235,16 @@ void add(Answer& answer, const pipeline::ThingHistory& gone, const HistoryWords&
 }
 
 // What stands there no more, in the order in which that was noticed, and the visits.
-Expected<Answer> list_past(const home::Home& home) {
-  ROOMWISE_TRY(const Places places, Places::read(home));
+Expected<Answer> list_past(const home::Home& home, Context& context) {
+  ROOMWISE_TRY(Places places, Places::read(home));
   ROOMWISE_TRY(const auto visits, home.visits());
   ROOMWISE_TRY(const auto past, home.past_instances());
+  ROOMWISE_TRY(HistoryWords words, HistoryWords::of(home));
+  if (std::ranges::any_of(words.history().things, &pipeline::ThingHistory::is_gone))
+    ROOMWISE_RETURN_IF_ERROR(places.find_layout(home, context));
+  words.place_by([&](const pipeline::HomeThing& thing) { return places.room_of(thing); });
   Answer answer;
   answer.json = {{"past", Json::array()}, {"visits", Json::array()}};
-  ROOMWISE_TRY(const HistoryWords words, HistoryWords::of(home));
   for (const pipeline::ThingHistory& one : words.history().things) {
     if (one.is_gone) add(answer, one, words, places);
   }
@@ -258,14 +262,14 @@ Expected<Answer> list_past(const home::Home& home) {
     answer.text = fmt::format(
         "no later walk noticed that a thing moved or went; compare one with this home: roomwise "
         "update --home {} RECORDING\n",
-        home.file());
+        shell_word(home.file()));
   }
   return answer;
 }
 
 Expected<Answer> list(const ObjectsOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
-  return options.past ? list_past(home) : list_found(home, options.rule, context);
+  return options.past ? list_past(home, context) : list_found(home, options.rule, context);
 }
 
 // ---- objects history ----
@@ -278,7 +282,7 @@ struct ObjectHistoryOptions {
 void add(Answer& answer, const pipeline::ThingHistory& one, const HistoryWords& words) {
   answer.text += words.line(one) + "\n";
   answer.json["things"].push_back({{"name", one.thing.name},
-                                   {"room", word_or_null(words.room(one.thing))},
+                                   {"room", word_or_null(words.room(one))},
                                    {"gone", one.is_gone},
                                    {"first_seen", words.sighting_json(one.first_seen)},
                                    {"last_seen", words.sighting_json(one.last_seen)},
@@ -288,9 +292,8 @@ void add(Answer& answer, const pipeline::ThingHistory& one, const HistoryWords& 
 
 // One that a visit brought (update), or somebody by hand.
 void add_without_history(Answer& answer, const pipeline::HomeThing& one,
-                         const std::map<home::VisitId, home::Visit>& visits,
-                         const HistoryWords& words) {
-  const std::string room = words.room(one);
+                         const std::map<home::VisitId, home::Visit>& visits, const Places& places) {
+  const std::string room = places.room_of(one);
   const std::string visit = one.visit != 0 ? visits.at(one.visit).name : "";
   answer.text += fmt::format("{}{}: {}\n", one.name, room.empty() ? "" : ", " + room,
                              one.added_by_edit != 0 ? "somebody added it by hand"
@@ -319,8 +322,10 @@ std::string newest_changes(const HistoryWords& words) {
 
 Expected<Answer> tell_history(const ObjectHistoryOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
-  ROOMWISE_TRY(const HistoryWords words, HistoryWords::of(home));
-  ROOMWISE_TRY(const Places places, Places::read(home));
+  ROOMWISE_TRY(HistoryWords words, HistoryWords::of(home));
+  ROOMWISE_TRY(Places places, Places::read(home));
+  ROOMWISE_RETURN_IF_ERROR(places.find_layout(home, context));
+  words.place_by([&](const pipeline::HomeThing& thing) { return places.room_of(thing); });
   ROOMWISE_TRY(const auto visits, home.visits());
   ROOMWISE_TRY(const auto past, home.past_instances());
   const auto& walks = words.history().walks;
@@ -342,7 +347,7 @@ Expected<Answer> tell_history(const ObjectHistoryOptions& options, Context& cont
     if (const pipeline::ThingHistory* history = words.history().of(one)) {
       add(answer, *history, words);
     } else {
-      add_without_history(answer, one, visits, words);
+      add_without_history(answer, one, visits, places);
     }
   }
   for (const pipeline::ThingHistory& one : words.history().things) {
@@ -354,11 +359,11 @@ Expected<Answer> tell_history(const ObjectHistoryOptions& options, Context& cont
   if (answer.text.empty()) {
     return options.name.empty()
                ? fail("{}: nothing was found in this home; look: roomwise objects find --home {}",
-                      home.file(), home.file())
+                      home.file(), shell_word(home.file()))
                : fail(
                      "{}: no walk showed a thing called {}; see what there is: roomwise objects "
                      "list --home {}",
-                     home.file(), options.name, home.file());
+                     home.file(), options.name, shell_word(home.file()));
   }
   if (options.name.empty()) answer.text += newest_changes(words);
   return answer;

@@ -16,8 +16,7 @@ Expected<std::vector<StoredEdit>::const_iterator> find_edit(const home::Home& ho
                                                             home::EditId id) {
   const auto found = std::ranges::find(edits, id, &StoredEdit::id);
   if (found == edits.end()) {
-    return fail("{}: has no change {}; see which there are: roomwise edit list --home {}",
-                home.file(), id, home.file());
+    return fail("{}: has no change {}; roomwise edit list says which there are", home.file(), id);
   }
   return found;
 }
