@@ -23,17 +23,17 @@ export function devicesPanel(helper: Helper, me: Me): HTMLElement {
 function deviceRow(helper: Helper, me: Me, first: Device): Row<Device> {
   let device = first;
   const own = device.device === me.device;
-  const name = h('p', { class: 'device-name' });
+  const name = h('bdi'); // of any script
   const state = h('p');
   const facts = h('p', { class: 'hint' });
   const button = (what: 'rename' | 'revoke', run: () => void): HTMLElement =>
     h('button', { type: 'button', class: 'small', 'data-key': `${what} ${device.device}`, onclick: run }, text(`devices.${what}`));
   const buttons = [button('rename', () => rename(helper, device)), button('revoke', () => revoke(helper, device, own))];
   return {
-    element: h('li', {}, h('div', {}, name, state, facts), h('div', { class: 'row tight' }, ...buttons)),
+    element: h('li', {}, h('div', {}, h('p', { class: 'device-name' }, name, own ? ` (${text('devices.this_one')})` : null), state, facts), h('div', { class: 'row tight' }, ...buttons)),
     show: (now) => {
       device = now;
-      setText(name, own ? `${device.name} (${text('devices.this_one')})` : device.name);
+      setText(name, device.name);
       buttons.forEach((one) => one.setAttribute('aria-label', `${one.textContent} ${device.name}`));
       const isOnline = device.online ? text('phone.connected') : text('phone.not_connected');
       if (state.textContent !== isOnline) {

@@ -6,7 +6,7 @@ import { after, test } from 'node:test';
 
 import { drawnRoom } from '../drawn_picture';
 import { kSecret, tellJob, tellRecording } from '../stand_in_api';
-import { closeBrowser, gets, kDesktop, kPhone, openVisit, skipReason, withServer } from './harness';
+import { closeBrowser, gets, kDesktop, kPhone, onlyInChromium, openVisit, skipReason, withServer, type Visit } from './harness';
 import { goTo, heardOnce, pressWhile, retype } from './person';
 
 after(closeBrowser);
@@ -503,5 +503,44 @@ test('a message does not lie over what has the focus, and can be closed', option
   await visit.page.keyboard.press('Enter');
   assert.equal(await visit.focused(), 'Show a code');
   assert.equal(await visit.page.$('.announcement'), null);
+  await visit.close();
+}));
+
+// As the selected looks beside what is not, where the browser takes the person's own colours.
+async function forceColours(visit: Visit): Promise<void> {
+  const session = await visit.page.createCDPSession();
+  await session.send('Emulation.setEmulatedMedia', { features: [{ name: 'forced-colors', value: 'active' }] });
+}
+
+const inChromium = { skip: onlyInChromium('colours are not forced') };
+test('in forced colours what is chosen or pressed is seen', inChromium, () => withServer(async (server) => {
+  const colourOf = (visit: Visit, selector: string): Promise<string> => visit.page.$eval(selector, (one) => getComputedStyle(one).backgroundColor);
+  const helper = await openVisit(server, { role: 'helper' });
+  await helper.go('/#walks');
+  await helper.page.waitForSelector('.timeline [aria-selected=true]');
+  await forceColours(helper);
+  assert.notEqual(await colourOf(helper, '.timeline [aria-selected=true]'), await colourOf(helper, '.timeline [aria-selected=false]'));
+  await helper.close();
+  const device = await openVisit(server, { role: 'device', size: kPhone });
+  await device.go('/device');
+  await device.press('Start');
+  await device.sees('Connected', '.chip');
+  await device.press('Quiet');
+  await forceColours(device);
+  await device.page.waitForSelector('.quiet[aria-pressed=true]');
+  assert.notEqual(await colourOf(device, '.question.quiet'), await colourOf(device, '.question.repeat'));
+  await device.close();
+}));
+
+test('a name of another script leaves what follows it in its place, and long words break in narrow windows', options, () => withServer(async (server) => {
+  const own = server.state.devices.find(({ device }) => device === 1);
+  assert.ok(own);
+  own.name = 'هاتف أحمد';
+  const visit = await openVisit(server, { role: 'helper', size: { width: 320, height: 568 }, before: () => localStorage.setItem('roomwise.language', 'de') });
+  await visit.go('/#devices');
+  await visit.sees('(dieses)', '.device-name');
+  assert.equal(await visit.page.$eval('.device-name bdi', (name) => name.textContent), own.name);
+  await visit.sees('vertrauens', '.card');
+  await visit.assertReflows();
   await visit.close();
 }));
