@@ -44,16 +44,17 @@ struct MapReport {
       damaged;  // the errors of frames, and of the map's pictures, that were left out
 };
 
-// A recording that says its rooms itself names them; what a person named since is kept.
-Expected<void> name_rooms_of_recording(const fs::path& recording, home::Home& home) {
+// Of a recording that says its rooms itself.
+Expected<std::optional<recording::RoomLabels>> rooms_of(const fs::path& recording) {
   const fs::path file = recording / "rooms.txt";
-  if (!fs::exists(file)) return {};
-  ROOMWISE_TRY(const recording::RoomLabels labels, recording::RoomLabels::read(file));
-  return pipeline::name_rooms_if_unnamed(home, labels);
+  if (!fs::exists(file)) return std::nullopt;
+  ROOMWISE_TRY(recording::RoomLabels labels, recording::RoomLabels::read(file));
+  return labels;
 }
 
 Expected<MapReport> map_into(home::Home& home, recording::Recording& source,
-                             const MapRequest& request, Progress& shown) {
+                             const MapRequest& request,
+                             const std::optional<recording::RoomLabels>& rooms, Progress& shown) {
   ROOMWISE_TRY(const auto stored, pipeline::stored_map_settings(home));
   ROOMWISE_TRY(const pipeline::Networks networks,
                request.networks.load(home, /*also_brought=*/false));
@@ -68,7 +69,8 @@ Expected<MapReport> map_into(home::Home& home, recording::Recording& source,
   recording::DamageTolerantSource frames(source, request.skip_damaged);
   auto mapped = pipeline::map_recording(
       frames, recording, home, networks, stored.value_or(request.settings), run, finders,
-      [&] { return name_rooms_of_recording(request.recording, home); });
+      // What a person named since is kept.
+      [&] { return rooms ? pipeline::name_rooms_if_unnamed(home, *rooms) : Expected<void>(); });
   if (!mapped && (frames.is_stopped() || run.lost->is_stopped())) {
     mapped.error().message += "; give skip_damaged=True to go on without it";
   }
@@ -92,10 +94,11 @@ Expected<MapReport> map(const MapRequest& request, Progress& shown) {
     if (!walks.empty()) how.camera = walks.back().recording.camera;
   }
   ROOMWISE_TRY(const auto source, recording::open_recording(request.recording, how));
+  ROOMWISE_TRY(const auto rooms, rooms_of(request.recording));
   ROOMWISE_TRY(home::Home home,
                pipeline::make_or_open_home(
                    {request.home, request.recording, request.open, request.resume, "resume=True"}));
-  return map_into(home, *source, request, shown);
+  return map_into(home, *source, request, rooms, shown);
 }
 
 pipeline::MapSettings settings_of(const std::string& method, const std::string& features,

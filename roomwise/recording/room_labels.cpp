@@ -21,8 +21,7 @@ Expected<void> validate(const RoomRange& range) {
     return fail("{} runs backwards; give the lower frame first", describe(range));
   }
   if (auto name = validate_room_name(range.room); !name) {
-    return Unexpected(std::move(name).error().with_context(
-        fmt::format("the range {} to {}", range.first_frame, range.last_frame)));
+    return Unexpected(std::move(name).error().with_context(describe(range)));
   }
   if (range.stay < 1) {
     return fail("{} is visit {}; visits are numbered from 1", describe(range), range.stay);
@@ -57,9 +56,6 @@ Expected<RoomRange> parse_range(std::span<const std::string_view> words) {
 }  // namespace
 
 Expected<void> validate_room_name(std::string_view name) {
-  if (!is_plain_text(name)) {
-    return fail("the name of a room is not UTF-8 text; save the file as UTF-8, or name it anew");
-  }
   const auto lines = data_lines(name);
   if (lines.size() == 1 && fmt::format("{}", fmt::join(lines[0].words, " ")) == name) return {};
   return fail(
@@ -82,6 +78,9 @@ Expected<RoomLabels> RoomLabels::read(const std::filesystem::path& path) {
   for (const DataLine& line : data_lines(text)) {
     const auto parse_and_check = [&]() -> Expected<RoomRange> {
       ROOMWISE_TRY(RoomRange range, parse_range(line.words));
+      if (!is_plain_text(range.room)) {
+        return fail("the name of the room is not UTF-8 text; save the file as UTF-8");
+      }
       ROOMWISE_RETURN_IF_ERROR(validate(range));
       if (!labels.ranges_.empty()) {
         ROOMWISE_RETURN_IF_ERROR(validate_order(labels.ranges_.back(), range));

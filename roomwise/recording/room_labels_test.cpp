@@ -56,7 +56,7 @@ TEST_F(RoomLabelsFile, NamesTheLineThatIsWrong) {
   EXPECT_ERROR(read("10 19 a 1\n0 5 b 1\n"), "stands after");
   EXPECT_ERROR(read("0 9 ki\xfc"
                     "che 1\n"),
-               line(1) + ": the range 0 to 9: the name of a room is not UTF-8");
+               line(1) + ": the name of the room is not UTF-8");
 }
 
 TEST(RoomLabels, RefusesRangesThatMakeNoSense) {

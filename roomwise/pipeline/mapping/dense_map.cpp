@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "roomwise/fusion/frame_fusion.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
 
 namespace roomwise::pipeline {
@@ -19,6 +20,7 @@ fusion::FramePoses poses_of(std::span<const home::Keyframe> keyframes,
     poses[keyframe.id] = keyframe.pose.world_from_keyframe;
   }
   for (const home::DepthView& view : views) {
+    if (poses.size() >= fusion::kMaxFrames) break;  // key-frames first
     const auto keyframe = poses.find(view.keyframe);
     if (keyframe != poses.end()) {
       poses[frame_id_of(view)] = keyframe->second * view.keyframe_from_view;

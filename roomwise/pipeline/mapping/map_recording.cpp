@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <set>
 #include <utility>
 
@@ -58,15 +59,31 @@ Expected<home::StoredRecording> begin_or_resume(home::Home& home, const home::Re
   return last;
 }
 
-// Whether the home's pictures of a key-frame are the frame's; absent where they cannot be read.
+// Pictures of a video, or of another size, may be computed a little otherwise by another library.
+bool is_nearly_same(const image::ColorImage& one, const image::ColorImage& other) {
+  if (one.width() != other.width() || one.height() != other.height()) return false;
+  constexpr double kMaxMeanDifference = 8;  // of 255
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < one.pixels().size(); ++i) {
+    const Rgb8 a = one.pixels()[i], b = other.pixels()[i];
+    sum +=
+        static_cast<std::uint64_t>(std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b));
+  }
+  return static_cast<double>(sum) <=
+         3 * kMaxMeanDifference * static_cast<double>(one.pixels().size());
+}
+
+// Whether the home's picture of a key-frame is the frame's, to the bit or nearly; absent where it
+// cannot be read.
+template <typename IsSame>
 Expected<std::optional<bool>> is_of_frame(const home::Home& home, home::KeyframeId keyframe,
-                                          const image::RgbdFrame& frame, const RunContext& run) {
+                                          const image::RgbdFrame& frame, const RunContext& run,
+                                          const IsSame& is_same) {
   const auto images = home.images(keyframe);
   if (!images) ROOMWISE_RETURN_IF_ERROR(go_on_without(home, keyframe, images.error(), run.lost));
   const auto color = images ? image::decode_color(images->color) : Unexpected(images.error());
-  const auto depth = images ? image::decode_depth(images->depth) : Unexpected(images.error());
-  if (!color || !depth) return std::nullopt;
-  return *color == frame.color && *depth == frame.depth;
+  if (!color) return std::nullopt;
+  return is_same(*color, frame.color);
 }
 
 // A map goes on with the frames of the recording that it was begun with: the newest key-frame's
@@ -80,7 +97,8 @@ Expected<void> go_to_next_frame(recording::FrameSource& source, const home::Home
     bool is_same = frame && frame->index == keyframes.back().frame_index &&
                    frame->timestamp_ns == keyframes.back().timestamp_ns;
     if (is_same) {
-      ROOMWISE_TRY(const auto is_seen, is_of_frame(home, keyframes.back().id, *frame, run));
+      ROOMWISE_TRY(const auto is_seen,
+                   is_of_frame(home, keyframes.back().id, *frame, run, is_nearly_same));
       is_same = is_seen.value_or(true);
     }
     if (!is_same) {
@@ -106,7 +124,8 @@ Expected<void> check_is_new(const home::Home& home, const home::Recording& recor
     }
     const home::Recording& known =
         std::ranges::find(recordings, keyframe.recording, &home::StoredRecording::id)->recording;
-    ROOMWISE_TRY(const auto is_seen, is_of_frame(home, keyframe.id, first_keyframe, run));
+    ROOMWISE_TRY(const auto is_seen,
+                 is_of_frame(home, keyframe.id, first_keyframe, run, std::equal_to<>()));
     const bool is_same =
         is_seen.value_or(known.name == recording.name && known.camera == recording.camera &&
                          known.frame_count == recording.frame_count);

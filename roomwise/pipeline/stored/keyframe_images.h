@@ -95,13 +95,22 @@ template <typename Make, typename Take>
   if (views.empty()) return {};
   using Made = std::invoke_result_t<Make, const home::DepthView&, const image::DepthImage&>;
   ROOMWISE_TRY(const auto cameras, recording_cameras(home));
+  const auto without = [&](std::size_t i, Error why) {
+    return go_on_without(home, views[i].keyframe, std::move(why), run.lost);
+  };
   return in_blocks(
-      views.size(), work, run, [&](std::size_t i) { return home.depth_view_image(views[i].id); },
-      [&](std::size_t i, const Bytes& image) -> Expected<std::optional<Made>> {
-        auto depth = decode_depth(image, cameras.at(views[i].recording));
+      views.size(), work, run,
+      [&](std::size_t i) -> Expected<std::optional<Bytes>> {
+        auto image = home.depth_view_image(views[i].id);
+        if (image) return *std::move(image);
+        ROOMWISE_RETURN_IF_ERROR(without(i, std::move(image).error()));
+        return std::nullopt;
+      },
+      [&](std::size_t i, const std::optional<Bytes>& image) -> Expected<std::optional<Made>> {
+        if (!image) return std::nullopt;
+        auto depth = decode_depth(*image, cameras.at(views[i].recording));
         if (depth) return std::optional<Made>(make(views[i], *depth));
-        ROOMWISE_RETURN_IF_ERROR(
-            go_on_without(home, views[i].keyframe, std::move(depth).error(), run.lost));
+        ROOMWISE_RETURN_IF_ERROR(without(i, std::move(depth).error()));
         return std::nullopt;
       },
       [&](std::size_t i, std::optional<Made> made) -> Expected<void> {

@@ -73,6 +73,10 @@ void note_lost_poses(const AllFacts& facts, const NumberedFiles& colors, PhoneLi
                   lost.size(), lost.front()));
 }
 
+// So many are taken between two pictures: where pictures are missing, no frame holds all that
+// follows.
+constexpr std::size_t kMaxDepthViews = 8;
+
 // The depth images from a picture on until the next one.
 std::vector<PhoneDepthView> depth_views_after(std::uint64_t picture, const AllFacts& facts,
                                               const NumberedFiles& colors,
@@ -80,7 +84,8 @@ std::vector<PhoneDepthView> depth_views_after(std::uint64_t picture, const AllFa
   const auto first = facts.of_frame.find(picture);
   const geometry::RigidTransform picture_from_world = first->second.world_from_camera.inverse();
   std::vector<PhoneDepthView> views;
-  for (auto at = std::next(first); at != facts.of_frame.end() && !colors.contains(at->first);
+  for (auto at = std::next(first);
+       at != facts.of_frame.end() && !colors.contains(at->first) && views.size() < kMaxDepthViews;
        ++at) {
     const auto& [number, of_frame] = *at;
     if (!depths.contains(number)) continue;
