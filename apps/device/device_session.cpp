@@ -150,7 +150,10 @@ void DeviceSession::lose(const std::string& why, TimestampNs now_ns) {
   asked_.clear();        // no answers will come
   is_teaching_ = false;  // the computer forgets what was shown
   if (link_.failed(steady_s(now_ns)) != service::DeviceLink::News::kLost) {
-    return say_no_connection(now_ns);  // it was not welcomed
+    // It was not welcomed, and who was to be led on then is still to be.
+    if (led_.by) led_.again_from_ns = now_ns;
+    if (led_before_.by) led_before_.again_from_ns = now_ns;
+    return say_no_connection(now_ns);
   }
   if (!led_.by) {
     return parts_.voice->notice("device.connection_lost", guide::Sound::kLost, now_ns);

@@ -478,7 +478,7 @@ Prompt Guidance::blocked(const Pose& pose) {
     floor_ = known;
     floor_.bar_ahead(pose, radius_m, now_ns());
     Prompt prompt = act(pose);
-    if (may_try && way_.leads_to_goal()) return prompt;
+    if (prompt.priority == Priority::kHazard || (may_try && way_.leads_to_goal())) return prompt;
   }
   // Who comes no further after some tries is told what is left, and is not sent again.
   if (!may_try) return end_of_way();
@@ -756,6 +756,12 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
     default:
       return answer(request);
   }
+}
+
+std::optional<Prompt> Guidance::stop_who_walks(TimestampNs now_ns) {
+  walker_.now_ns = now_ns;
+  const bool walks = state_ == State::kWalking && track_.is_walking();
+  return walks ? std::optional(stop({"guide.stop"})) : std::nullopt;
 }
 
 Prompt Guidance::end_without_goal(TimestampNs now_ns) {

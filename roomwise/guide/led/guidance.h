@@ -81,6 +81,8 @@ class Guidance {
   [[nodiscard]] std::optional<Prompt> update(const Walker& walker);
   // The answer to a request.
   [[nodiscard]] Prompt request(GuidanceRequest request, TimestampNs now_ns);
+  // Before another guidance takes this one's place: "Stop." to who walks.
+  [[nodiscard]] std::optional<Prompt> stop_who_walks(TimestampNs now_ns);
   // Since the home does not know the goal any more; what to say of it.
   [[nodiscard]] Prompt end_without_goal(TimestampNs now_ns);
 

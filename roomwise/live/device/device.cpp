@@ -315,7 +315,7 @@ void Device::understand(const Asked& asked) {
   bool led = false;
   {
     const std::scoped_lock lock(mutex_);
-    led = is_led();
+    led = is_led() && led_->follows_way();
     wording = wording_of(settings_);
     offered = std::exchange(offered_, {});
     if (in_words.t_ms > offered_until_t_ms_) offered = {};

@@ -113,7 +113,7 @@ std::vector<Goal> goals_of(const service::Ask& asked, const HomeView& home,
 bool is_same_place(const Goal& one, const Goal& other) {
   if (one.outline.has_value() != other.outline.has_value()) return false;
   if (!one.outline) return one.room == other.room;
-  const double apart_m = (one.outline->middle_gravity - other.outline->middle_gravity).norm();
+  const double apart_m = (one.outline->middle_plan - other.outline->middle_plan).norm();
   return apart_m <= kMaxSpotSigma_m;
 }
 
@@ -152,6 +152,16 @@ bool LedWalk::is_same_map(const HomeView& home) const {
 }
 
 bool LedWalk::is_goal_there(const HomeView& home) const {
+  // Where a taught thing was seen last changes with every look at it: it is known by its name.
+  const guide::Wording wording = wording_of(settings_);
+  const guide::Phrasebook& phrases = wording.phrases();
+  const auto things = things_asked_for(asked_, home, phrases);
+  const auto meant =
+      guide::thing_meant(name_asked_for(asked_), things, home.concepts.vocabulary, phrases);
+  const auto is_meant_and_taught = [&](const guide::KnownThing& thing) {
+    return thing.is_taught && meant && thing.name == *meant;
+  };
+  if (std::ranges::any_of(things, is_meant_and_taught)) return true;
   const auto goals =
       goals_of(asked_, home, {}, settings_, today_);  // from wherever they are by now
   return std::ranges::any_of(
@@ -179,7 +189,9 @@ std::vector<guide::Prompt> LedWalk::after(const FrameResult& result,
                                           const std::shared_ptr<const HomeView>& home) {
   // Until a new map is ready no picture tells of a place.
   const bool is_ready = home->map || !home_->map;
-  if (is_ready && !is_over() && home != newest_home_) {
+  // On stairs nothing else is said.
+  const bool is_on_stairs = guidance_->state() == guide::Guidance::State::kStairs;
+  if (is_ready && !is_over() && !is_on_stairs && home != newest_home_) {
     if (!is_same_map(*home) || !is_goal_there(*home)) return begin_anew(result, home);
     newest_home_ = home;
   }
@@ -207,8 +219,17 @@ std::vector<guide::Prompt> LedWalk::begin_anew(const FrameResult& result,
   if (guidance_->state() == guide::Guidance::State::kPaused) {
     (void)anew->guidance_->request(guide::GuidanceRequest::kPause, now_ns);
   }
+  const auto stop = guidance_->stop_who_walks(now_ns);
   *this = std::move(*anew);
-  return {};
+  if (!stop) return {};
+  return {*stop};
+}
+
+bool LedWalk::follows_way() const {
+  using State = guide::Guidance::State;
+  const State state = guidance_->state();
+  return state == State::kBeginning || state == State::kTurning || state == State::kWalking ||
+         state == State::kCorner || state == State::kStopped;
 }
 
 std::optional<service::GoalBearing> LedWalk::goal_bearing(double taken_t_ms) const {

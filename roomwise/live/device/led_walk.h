@@ -32,6 +32,8 @@ class LedWalk {
   // The way from where somebody stands then, whatever has been walked.
   [[nodiscard]] guide::Plan plan_from(const Situation& situation) const;
   [[nodiscard]] bool is_over() const { return guidance_->is_over(); }
+  // Not paused, lost, by rooms or on stairs.
+  [[nodiscard]] bool follows_way() const;
   // The floor as it was found on the way; null where the home's map is another, or has none.
   [[nodiscard]] const fusion::FloorGrid* floor_on(const HomeView& home) const {
     return is_same_map(home) ? guidance_->floor().grid() : nullptr;
