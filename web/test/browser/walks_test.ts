@@ -46,7 +46,7 @@ test('erasing that failed is told as long as it is owed', options, () => withSer
   server.state.home.to_erase.owed = true;
   const visit = await openVisit(server, { role: 'helper' });
   await visit.go('/#forget');
-  await visit.sees('could not be erased from the file yet');
+  await visit.sees('is not erased from the file yet');
   await visit.assertAccessible('erasing that is owed');
   await visit.close();
 }));
