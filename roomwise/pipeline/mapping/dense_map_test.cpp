@@ -40,7 +40,7 @@ TEST_F(DenseMapTest, FollowsWhenTheMapIsCorrected) {
 // Half of the room's pictures are taken away, and what their depth showed is left with those
 // before.
 TEST_F(DenseMapTest, DepthBetweenPicturesShowsWhatNoPictureDoes) {
-  const auto all = keyframes();
+  auto all = keyframes();
   auto half = home::Home::create(folder_ / "half.home");
   ASSERT_OK(half);
   const geometry::PinholeCamera camera = fusion::testing::small_camera();
@@ -57,6 +57,7 @@ TEST_F(DenseMapTest, DepthBetweenPicturesShowsWhatNoPictureDoes) {
     const RigidTransform from_view =
         all[i].pose.world_from_keyframe.inverse() * all[i + 1].pose.world_from_keyframe;
     added.depth_views = {{static_cast<TimestampNs>(i + 2), from_view, home_->images(i + 1)->depth}};
+    all[i + 1].pose.world_from_keyframe = all[i].pose.world_from_keyframe * from_view;
   }
   ASSERT_OK(half->commit(step));
   const auto with = build_dense_map(*half, map_keyframes(*half).value(), {}, run_);
