@@ -81,6 +81,16 @@ std::vector<Goal> door_goals(const service::Ask& asked, std::vector<rooms::Doorw
   return goals;
 }
 
+// The things of the name that is asked for.
+std::vector<guide::KnownThing> things_meant(const service::Ask& asked, const HomeView& home,
+                                            const guide::Phrasebook& phrases) {
+  auto things = things_asked_for(asked, home, phrases);
+  const auto meant =
+      guide::thing_meant(name_asked_for(asked), things, home.concepts.vocabulary, phrases);
+  std::erase_if(things, [&](const auto& one) { return !meant || one.name != *meant; });
+  return things;
+}
+
 // A spot, the way out, things of the home, a room, or doors: each is what is asked for.
 std::vector<Goal> goals_of(const service::Ask& asked, const HomeView& home,
                            const guide::UserLocation& location,
@@ -93,12 +103,8 @@ std::vector<Goal> goals_of(const service::Ask& asked, const HomeView& home,
     if (const ViewedSpot* const spot = spot_asked_for(asked, home, phrases)) {
       return {goal_of(*spot)};
     }
-    const auto things = things_asked_for(asked, home, phrases);
-    const auto meant =
-        guide::thing_meant(name_asked_for(asked), things, home.concepts.vocabulary, phrases);
     std::vector<Goal> goals;
-    for (const guide::KnownThing& thing : things) {
-      if (!meant || thing.name != *meant) continue;
+    for (const guide::KnownThing& thing : things_meant(asked, home, phrases)) {
       goals.push_back(Goal::of(thing, today, home.things));
       if (thing.name == guide::kNameOfWayOut) goals.back().kind = Goal::Kind::kWayOut;
     }
@@ -108,8 +114,7 @@ std::vector<Goal> goals_of(const service::Ask& asked, const HomeView& home,
   return doors ? door_goals(asked, *doors, location) : std::vector<Goal>();
 }
 
-// A taught thing is never seen twice at quite the same place. What is nearer than that is still in
-// reach where the way ends.
+// What is nearer than that is still in reach where the way ends.
 bool is_same_place(const Goal& one, const Goal& other) {
   if (one.outline.has_value() != other.outline.has_value()) return false;
   if (!one.outline) return one.room == other.room;
@@ -154,14 +159,8 @@ bool LedWalk::is_same_map(const HomeView& home) const {
 bool LedWalk::is_goal_there(const HomeView& home) const {
   // Where a taught thing was seen last changes with every look at it: it is known by its name.
   const guide::Wording wording = wording_of(settings_);
-  const guide::Phrasebook& phrases = wording.phrases();
-  const auto things = things_asked_for(asked_, home, phrases);
-  const auto meant =
-      guide::thing_meant(name_asked_for(asked_), things, home.concepts.vocabulary, phrases);
-  const auto is_meant_and_taught = [&](const guide::KnownThing& thing) {
-    return thing.is_taught && meant && thing.name == *meant;
-  };
-  if (std::ranges::any_of(things, is_meant_and_taught)) return true;
+  const auto meant = things_meant(asked_, home, wording.phrases());
+  if (std::ranges::any_of(meant, &guide::KnownThing::is_taught)) return true;
   const auto goals =
       goals_of(asked_, home, {}, settings_, today_);  // from wherever they are by now
   return std::ranges::any_of(

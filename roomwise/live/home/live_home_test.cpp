@@ -1314,6 +1314,15 @@ TEST_F(HandedIn, WhatIsBeingMappedIsToldAndIsNotRemoved) {
     home->jobs().wait();
     if (is_stopped) {
       EXPECT_FALSE(is_being_mapped());
+      std::promise<void> go_on;
+      ASSERT_OK(home->jobs().start("learn", [&](Progress&) -> Expected<JobEnd> {
+        go_on.get_future().wait();
+        return JobEnd{};
+      }));
+      const bool is_told = is_being_mapped();
+      go_on.set_value();
+      home->jobs().wait();
+      EXPECT_FALSE(is_told) << "while something else is done";
     }
   }
   EXPECT_EQ(home->jobs().state()->message, "mapped");

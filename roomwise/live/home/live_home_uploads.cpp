@@ -138,8 +138,10 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
     ROOMWISE_RETURN_IF_ERROR(uploads_->note_walk(upload.id, ""));
     return mapped;
   };
-  const auto map = [this, map_now](Progress& progress) {
-    Expected<JobEnd> mapped = map_now(progress);
+  // Also where it is stopped before it has a place to work at.
+  const auto map = [this,
+                    work = with_place(map_now, WorkPlaces::Urgency::kCanWait)](Progress& progress) {
+    Expected<JobEnd> mapped = work(progress);
     const std::scoped_lock lock(upload_mutex_);
     upload_in_hand_.clear();
     return mapped;
@@ -147,7 +149,7 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
   return instead_of_preparing([&]() -> Expected<void> {
     ROOMWISE_RETURN_IF_ERROR(check_idle());
     const std::scoped_lock lock(upload_mutex_);
-    ROOMWISE_RETURN_IF_ERROR(start_work("map", map));
+    ROOMWISE_RETURN_IF_ERROR(jobs_->start("map", map));
     upload_in_hand_ = id;
     return {};
   });
