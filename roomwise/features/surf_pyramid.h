@@ -9,8 +9,8 @@
 namespace roomwise::features {
 
 // A picture at one of the sizes at which SURF looks at it: an octave, for which four layers of
-// filters run over it. Intensities are those of
-// the picture times kIntensityScale, so that smoothing keeps its fractions.
+// filters run over it. Intensities are those of the picture times kIntensityScale, so that smoothing
+// keeps its fractions.
 struct SurfOctave {
   static constexpr float kIntensityScale = 16;
   IntegralImage integral;

@@ -26,10 +26,10 @@ struct FloorGridOptions {
   [[nodiscard]] Expected<void> validate() const;
 };
 
-// A home's floor from above, in cells: where nothing is in a person's way. It lies on
-// the plan, of one storey the gravity-aligned frame (see Storeys), metres. Cell (column, row) is
-// the square from origin_m + cell_m * (column, row) to origin_m + cell_m * (column + 1, row + 1):
-// columns go along x, rows along y. What lies outside the grid is unknown.
+// A home's floor from above, in cells: where nothing is in a person's way. It lies on the plan, of
+// one storey the gravity-aligned frame (see Storeys), metres. Cell (column, row) is the square from
+// origin_m + cell_m * (column, row) to origin_m + cell_m * (column + 1, row + 1): columns go along
+// x, rows along y. What lies outside the grid is unknown.
 class FloorGrid {
  public:
   // cells.at(column, row).

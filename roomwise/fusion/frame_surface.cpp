@@ -189,11 +189,7 @@ FrameSurface FrameSurfaceMaker::make(const image::DepthImage& depth) const {
   const InverseDepth nearest = largest_about(largest_about(inverse, kOutlineReach_px, true),
                                              kOutlineReach_px, /*along_x=*/false);
 
-  FrameSurface frame{camera_,
-                     real_from_ideal_,
-                     {camera_.width, camera_.height},
-                     options_,
-                     /*has_colors=*/false};
+  FrameSurface frame{camera_, real_from_ideal_, {camera_.width, camera_.height}, options_};
   const float max_second_difference = second_difference_threshold(options_);
   const auto min_inverse = static_cast<float>(1 / options_.farthest_m);
   for (int y = 0; y < camera_.height; ++y) {

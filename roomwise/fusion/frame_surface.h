@@ -59,7 +59,7 @@ struct FrameSurface {
   std::shared_ptr<const PixelTable> distorted_index_of_undistorted;
   image::Image<SurfacePixel> pixels;  // of the real camera
   SurfaceOptions options;             // it was made with
-  bool has_colors = true;
+  bool has_colors = false;
 };
 
 // Makes frames of one camera ready. A plane is fitted about each pixel to the inverse depth, which

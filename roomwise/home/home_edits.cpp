@@ -1,16 +1,11 @@
 // The part of Home that stores what people changed by hand.
 
 #include "roomwise/home/home.h"
+#include "roomwise/home/schema.h"
 #include "roomwise/home/stored_instances.h"
 
 namespace roomwise::home {
 namespace {
-
-// A home of before that is only read has no such table.
-Expected<bool> has_edits(const Database& database) {
-  return database.get<bool>(
-      "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = 'edit_places'");
-}
 
 bool is_finite(const EditPlace& place) {
   return place.box_keyframe.world_from_box.is_finite() && place.box_keyframe.size_m.allFinite();
@@ -44,7 +39,7 @@ Expected<EditId> Home::add_edit(const Edit& edit) {
 }
 
 Expected<std::vector<Edit>> Home::edits() const {
-  ROOMWISE_TRY(const bool has_any, has_edits(database_));
+  ROOMWISE_TRY(const bool has_any, has_table(database_, "edit_places"));
   if (!has_any) return std::vector<Edit>{};
   ROOMWISE_TRY(auto edits, collect<std::vector<Edit>>(
                                database_,

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "roomwise/home/home.h"
+#include "roomwise/home/schema.h"
 #include "roomwise/home/stored_values.h"
 
 namespace roomwise::home {
@@ -506,9 +507,7 @@ Expected<KeyframeImages> Home::images(KeyframeId id) const {
 }
 
 Expected<std::vector<DepthView>> Home::depth_views() const {
-  ROOMWISE_TRY(const bool has,
-               database_.get<bool>("SELECT count(*) = 1 FROM sqlite_schema WHERE type = 'table' "
-                                   "AND name = 'keyframe_depth_views'"));
+  ROOMWISE_TRY(const bool has, has_table(database_, "keyframe_depth_views"));
   if (!has) return std::vector<DepthView>();
   return collect<std::vector<DepthView>>(
       database_,

@@ -28,11 +28,8 @@ OwnThingSighting sighting_columns(const Statement& row, int first) {
 
 }  // namespace
 
-// Homes that were made earlier have no such table until they are written.
 Expected<bool> Home::has_own_things() const {
-  return database_.get<bool>(
-      "SELECT count(*) = 2 FROM sqlite_schema WHERE type = 'table' AND name IN ('own_things', "
-      "'own_thing_views')");
+  return has_table(database_, "own_thing_views");  // both come at once
 }
 
 Expected<void> Home::check_new_name(const std::string& name) const {

@@ -440,6 +440,11 @@ Expected<void> add_later_tables(Database& database) {
   return transaction.commit();
 }
 
+Expected<bool> has_table(const Database& database, std::string_view name) {
+  return database.get<bool>("SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = ?",
+                            name);
+}
+
 Expected<void> check_tables(const Database& database) {
   ROOMWISE_TRY(Database model, Database::in_memory());
   ROOMWISE_RETURN_IF_ERROR(create_tables(model));

@@ -28,6 +28,9 @@ constexpr int kHomeVersion = 1;
 // there and lacks one.
 [[nodiscard]] Expected<void> check_tables(const Database& database);
 
+// Homes of before that are only read lack later tables.
+[[nodiscard]] Expected<bool> has_table(const Database& database, std::string_view name);
+
 // The key of the setting that says how the home's pictures are protected (PictureCipher::wrap()).
 // It is no part of what the home holds: the pictures are the same.
 inline constexpr std::string_view kProtectionSetting = "picture_protection";

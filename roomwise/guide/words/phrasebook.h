@@ -53,8 +53,8 @@ struct Phrase {
 //   questions how one asks: grammar/grammar.h.
 //   counts    unit -> "one", "other" ("{n} steps"), and "=1" for just that number where "one" is
 //             for others, too; singular: the numbers of "one", "1" or "below 2" (CLDR's rules of
-//             plurals); decimal: the sign in 1.5; and: of lists; and_before: how the
-//             next word begins -> its "and" there, where that is another; months: their names.
+//             plurals); decimal: the sign in 1.5; and: of lists; and_before: how the next
+//             word begins -> its "and" there, where that is another; months: their names.
 class Phrasebook {
  public:
   // Fails on anything that is missing, of a wrong type or unknown, and names it.

@@ -170,8 +170,8 @@ std::string decisive_text(const ModelCard& card) {
 }
 
 std::optional<Expected<ModelCard>> brought_card(const std::string& name) {
-  const auto found = std::ranges::find(built_in_cards(), name, &BuiltInText::name);
-  if (found == built_in_cards().end()) return std::nullopt;
+  const BuiltInText* const found = find_built_in_card(name);
+  if (found == nullptr) return std::nullopt;
   return ModelCard::parse(found->text, fmt::format("models/{}.card.json", name));
 }
 

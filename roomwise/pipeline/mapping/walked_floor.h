@@ -10,8 +10,8 @@ namespace roomwise::pipeline {
 
 // The same floor, free also where a walk led and the floor itself was not seen: a camera looks
 // ahead, and what lies close behind a door is walked over before it is looked at. What was seen to
-// be occupied stays so. Frames tell of it, since key-frames
-// give way to those that show the same. `frames`: see walked_frames().
+// be occupied stays so. Frames tell of it, since key-frames give way to those that show the same.
+// `frames`: see walked_frames().
 //
 // A step up or down is no floor, also where no stairs were recognised: only what the walk crossed
 // at the height at which its camera is mostly held on that storey, and went on level for as far as

@@ -174,10 +174,8 @@ Expected<NetworkFile> in_precision(const home::Home& home, NetworkFile file,
 
 Expected<NetworkFile> known_as_before(const home::Home& home, NetworkFile file,
                                       const std::filesystem::path& weights) {
-  const auto brought = std::ranges::find(network::built_in_cards(), weights.stem().string(),
-                                         &network::BuiltInText::name);
-  if (file.card.own.empty() || file.eight_bits || brought != network::built_in_cards().end())
-    return file;
+  const bool is_brought = network::find_built_in_card(weights.stem().string()) != nullptr;
+  if (file.card.own.empty() || file.eight_bits || is_brought) return file;
   ROOMWISE_TRY(const bool is_known, is_known_in_floats(home, file.fingerprint));
   if (is_known) return file;
   ROOMWISE_TRY(const bool was_known, is_known_in_floats(home, file.sha256));

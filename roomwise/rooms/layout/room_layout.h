@@ -34,8 +34,8 @@ struct Doorway {
   Eigen::Vector2d middle_plan = Eigen::Vector2d::Zero();  // m; of stairs where they begin below
   // Of the free floor there; 0: the map shows none, but the walk led through, or somebody says so.
   double width_m = 0;
-  double direction_rad =
-      0;                   // from one side to the other, counter-clockwise from x; of a known width
+  // From one side to the other, counter-clockwise from x; of a known width.
+  double direction_rad = 0;
   bool is_walked = false;  // the walk led through it, or somebody does who says so
   bool is_stairs = false;  // they lead to the other room, on another storey
   // Of stairs: where one stands before them in each of the rooms, on the plan.

@@ -506,7 +506,7 @@ test('a message does not lie over what has the focus, and can be closed', option
   await visit.close();
 }));
 
-// As the selected looks beside what is not, where the browser takes the person's own colours.
+// As a browser does that takes the person's own colours.
 async function forceColours(visit: Visit): Promise<void> {
   const session = await visit.page.createCDPSession();
   await session.send('Emulation.setEmulatedMedia', { features: [{ name: 'forced-colors', value: 'active' }] });
