@@ -185,6 +185,7 @@ Expected<NetworkFile> read_network_in_floats(const std::filesystem::path& weight
   ROOMWISE_TRY(file.labels, known_labels(file.card, std::move(all_labels)).map_error(in_file));
   file.fingerprint = network_fingerprint(file.sha256, file.card, file.labels);
   ROOMWISE_TRY(file.graph, graph_of(file.card, bytes).map_error(in_file));
+  ROOMWISE_RETURN_IF_ERROR(check_weights(file.graph).map_error(in_file));
   ROOMWISE_RETURN_IF_ERROR(fix_input(file.graph, file.card).map_error(in_file));
   return file;
 }

@@ -34,8 +34,8 @@ struct NetworkFile {
 // weights: an ONNX file, weights alone (weights_file.h) of the network that the card names, or a
 // file that says how one of these is run in 8 bits (eight_bit_file.h), which then has a name of its
 // own. labels: a text file, one label a line; absent: the one that the card names, if any. Fails
-// where a file is missing or is not what it should be, and where the network does not take colour
-// pictures of the card's size.
+// where a file is missing or is not what it should be, where weights are not finite
+// (check_weights()), and where the network does not take colour pictures of the card's size.
 [[nodiscard]] Expected<NetworkFile> read_network_file(
     const std::filesystem::path& weights, const std::optional<std::filesystem::path>& labels);
 

@@ -98,4 +98,8 @@ struct OnnxGraph {
 // a type without use here. Takes memory of a few times the bytes' size at most.
 [[nodiscard]] Expected<OnnxGraph> read_onnx_graph(std::span<const std::uint8_t> onnx);
 
+// Fails where weights hold NaN or infinities, and names the tensor. Masks and limits, which are of
+// infinities and zeros alone, may hold infinities.
+[[nodiscard]] Expected<void> check_weights(const OnnxGraph& graph);
+
 }  // namespace roomwise::network

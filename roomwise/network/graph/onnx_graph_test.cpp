@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <limits>
+
 #include "roomwise/network/testing/tiny_runs.h"
 
 namespace roomwise::network {
@@ -60,6 +63,32 @@ TEST(OnnxGraph, RefusesATensorInAnotherFile) {
   graph.constants[1] += field(14, 1);
   const std::string file = onnx(graph);
   EXPECT_ERROR(read_onnx_graph(bytes_of(file)), "keeps the tensor \"b\" in another file");
+}
+
+TEST(OnnxGraph, RefusesWeightsThatAreNotFinite) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const auto check = [](const TinyGraph& tiny) {
+    const std::string file = onnx(tiny);
+    return check_weights(read_onnx_graph(bytes_of(file)).value());
+  };
+  TinyGraph graph = small_graph();
+  EXPECT_OK(check(graph));
+  graph.constants[1] = tensor("b", {2}, std::vector<float>{1, std::nanf("")});
+  EXPECT_ERROR(check(graph), "its tensor \"b\" holds 1 of 2 numbers that are not finite");
+  graph.constants[1] = tensor("b", {2}, std::vector<float>{kInfinity, 1});
+  EXPECT_ERROR(check(graph), "\"b\"");
+  graph.constants[1] = tensor("b", {2}, std::vector<float>{-kInfinity, 0});
+  EXPECT_ERROR(check(graph), "\"b\"");
+  // A mask, which a sum takes.
+  graph.nodes[0] = layer("Add", {"picture", "b"}, {"c"});
+  EXPECT_OK(check(graph));
+  // In a node rather than beside the nodes.
+  graph.constants.erase(graph.constants.begin() + 1);
+  graph.nodes.push_back(
+      layer("Constant", {}, {"b"},
+            {field(5, field(1, std::string("value")) +
+                          field(5, tensor("", {1}, std::vector<float>{std::nanf("")})))}));
+  EXPECT_ERROR(check(graph), "its tensor \"b\" holds 1 of 1");
 }
 
 TEST(OnnxGraph, RefusesWhatIsNoNetwork) {

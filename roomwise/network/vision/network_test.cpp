@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <future>
 #include <numeric>
@@ -115,6 +116,17 @@ TEST_F(OnnxClassifierTest, GivesScoresWhereThereAreLabels) {
   EXPECT_NEAR(scores[0] + scores[1] + scores[2], 1, 1e-6);
   EXPECT_NEAR(scores[1] / scores[0], std::exp(1.0), 1e-5);
   EXPECT_EQ(prediction->features, scores) << "the only output serves as features too";
+}
+
+TEST_F(OnnxClassifierTest, RefusesWeightsThatAreNotFinite) {
+  const auto path =
+      write_tiny("", onnx(roomwise::testing::TinyGraph{
+                         {roomwise::testing::layer("Add", {"picture", "shift"}, {"sum"}),
+                          node("GlobalAveragePool", "sum", "means")},
+                         {roomwise::testing::tensor("shift", {1}, std::vector<float>{NAN})},
+                         {1, 3, 4, 6},
+                         {{"means", {1, 3, 1, 1}}}}));
+  EXPECT_ERROR(OnnxClassifier::load(path), path.string() + ": its tensor \"shift\" holds 1 of 1");
 }
 
 TEST_F(OnnxClassifierTest, ReadsFeaturesFromAnInnerLayer) {

@@ -35,6 +35,7 @@ Expected<std::vector<float>> only_output(const Executor& executor, std::span<con
 // Of the task, with all sizes known: texts come one at a time, of as many places as the card says.
 Expected<std::unique_ptr<Executor>> text_executor(const Bytes& bytes, const TextNetwork& text) {
   ROOMWISE_TRY(OnnxGraph graph, read_onnx_graph(bytes));
+  ROOMWISE_RETURN_IF_ERROR(check_weights(graph));
   if (graph.inputs.size() > 2) {
     return fail("has {} inputs; expected the tokens, and at most which of them count",
                 graph.inputs.size());
