@@ -94,6 +94,19 @@ TEST(PinholeCamera, SaysWhatIsWrong) {
   for (const double units : {1e-6, 99.0, 100'001.0, 0.0}) {
     is_refused(&PinholeCamera::depth_units_per_metre, units, "expected 100 to 100000");
   }
+  const auto of_lens = [](const LensDistortion& lens) {
+    PinholeCamera bent = camera_preset("fr1").value();
+    bent.distortion = lens;
+    return bent.validate();
+  };
+  // Strong, but lenses like these there are.
+  EXPECT_OK(of_lens({-0.35, 0.12, 0, 0, -0.02}));
+  EXPECT_OK(of_lens({0.1, -0.3, 0.01, -0.01, 0.2}));
+  for (const LensDistortion& lens :
+       {LensDistortion{.k1 = -5}, LensDistortion{.k1 = -0.8}, LensDistortion{.k2 = -2},
+        LensDistortion{.p1 = 3}, LensDistortion{.k1 = 1e300}, LensDistortion{.k3 = -1e300}}) {
+    EXPECT_ERROR(of_lens(lens), "it folds the picture before its corner, or stretches it tenfold");
+  }
   EXPECT_ERROR(camera_preset("fr9"), "fr1, fr2");
 }
 

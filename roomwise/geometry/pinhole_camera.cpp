@@ -22,6 +22,22 @@ bool is_within(double value, double least, double most) {
   return value >= least && value <= most;
 }
 
+// Whether what lies farther out stays farther out, up to what the lens shows at `corner` (of the
+// plane z = 1), and that lies within a tenth and ten times as far out.
+bool is_unfolded_to(const LensDistortion& lens, const Eigen::Vector2d& corner) {
+  constexpr int kStepsToCorner = 200;  // to the corner, without a lens
+  constexpr int kMaxTimes = 10;
+  const Eigen::Vector2d outwards = corner.normalized();
+  double before = 0;
+  int step = 0;
+  while (before < corner.norm()) {
+    const double shown = outwards.dot(distort(lens, corner * ++step / kStepsToCorner));
+    if (!(shown > before) || step > kMaxTimes * kStepsToCorner) return false;
+    before = shown;
+  }
+  return step >= kStepsToCorner / kMaxTimes;
+}
+
 auto tie(const PinholeCamera& c) {
   return std::tie(c.fx, c.fy, c.cx, c.cy, c.width, c.height, c.distortion.k1, c.distortion.k2,
                   c.distortion.p1, c.distortion.p2, c.distortion.k3, c.depth_units_per_metre);
@@ -55,6 +71,18 @@ Expected<void> PinholeCamera::validate() const {
   for (const double k :
        {distortion.k1, distortion.k2, distortion.p1, distortion.p2, distortion.k3}) {
     if (!std::isfinite(k)) return fail("distortion values must be finite, found {}", k);
+  }
+  if (distortion.is_none()) return {};
+  for (const double x : {-0.5, width - 0.5}) {
+    for (const double y : {-0.5, height - 0.5}) {
+      if (is_unfolded_to(distortion, {(x - cx) / fx, (y - cy) / fy})) continue;
+      const auto& [k1, k2, p1, p2, k3] = distortion;
+      return fail(
+          "the lens distortion k1 = {}, k2 = {}, p1 = {}, p2 = {}, k3 = {} cannot be: it folds the "
+          "picture before its corner, or stretches it tenfold; give the values in this order, or "
+          "all 0 where pictures are rectified",
+          k1, k2, p1, p2, k3);
+    }
   }
   return {};
 }

@@ -25,8 +25,8 @@ struct PinholeCamera {
   LensDistortion distortion;
   double depth_units_per_metre = 1000;  // a depth image holds metres times this
 
-  // Fails on what cannot be, saying which value and why: a focal length out of 0.2 to 5 picture
-  // widths, a principal point outside the picture, depth units out of 100 to 100,000 per metre.
+  // Fails, saying why, on what cannot be: a focal length out of 0.2 to 5 picture widths, a principal
+  // point outside the picture, depth units out of 100 to 100,000 a metre, a lens that folds it.
   [[nodiscard]] Expected<void> validate() const;
   // What of a valid camera is so unusual that it is likely a mistake; nothing where all is as
   // cameras of rooms have it.
