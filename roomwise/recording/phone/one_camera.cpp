@@ -88,6 +88,18 @@ PinholeCamera depth_camera(const PinholeCamera& camera, int width, int height) {
   return other;
 }
 
+bool has_shape_of(const PinholeCamera& camera, int width, int height) {
+  const std::int64_t across = std::int64_t{width} * camera.height;
+  const std::int64_t down = std::int64_t{height} * camera.width;
+  return std::abs(across - down) <= std::max(camera.width, camera.height);
+}
+
+std::size_t first_of_most(std::span<const PictureSize> sizes) {
+  const auto most = std::ranges::max_element(
+      sizes, {}, [&](const PictureSize& size) { return std::ranges::count(sizes, size); });
+  return static_cast<std::size_t>(most - sizes.begin());
+}
+
 PinholeCamera common_camera(std::span<const PinholeCamera> cameras, int max_side_px) {
   PinholeCamera camera = cameras.front();
   for (const auto value :

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
+#include <utility>
 
 #include "roomwise/geometry/pinhole_camera.h"
 #include "roomwise/image/image.h"
@@ -20,6 +22,15 @@ namespace roomwise::recording {
 // things at the left and of things at the right.)
 [[nodiscard]] geometry::PinholeCamera depth_camera(const geometry::PinholeCamera& camera, int width,
                                                    int height);
+
+// Whether pictures of this size show what the camera's show, neither cut nor stretched: the sides
+// have one ratio, but for a pixel of rounding.
+[[nodiscard]] bool has_shape_of(const geometry::PinholeCamera& camera, int width, int height);
+
+// The first of the sizes that most pictures have: one odd picture does not decide. There must be
+// one.
+using PictureSize = std::pair<int, int>;
+[[nodiscard]] std::size_t first_of_most(std::span<const PictureSize> sizes);
 
 // The median of the cameras, which are all of one size, for pictures of which no side is longer
 // than `max_side_px`. There must be one.

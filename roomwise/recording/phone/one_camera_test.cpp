@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 namespace roomwise::recording {
 namespace {
@@ -37,6 +38,23 @@ TEST(OneCamera, MeasuresDepthAtEveryFewPixelsOfThePicture) {
   const PinholeCamera depth = depth_camera(picture, 256, 192);
   const Eigen::Vector3d point = picture.unproject({750, 75}, 2);
   EXPECT_LT((depth.project(point) - Eigen::Vector2d(100, 10)).norm(), 1e-9);
+}
+
+TEST(OneCamera, TellsPicturesOfAnotherShapeButForRounding) {
+  PinholeCamera camera = kSmall;
+  camera.width = 1921;
+  camera.height = 1439;
+  EXPECT_TRUE(has_shape_of(camera, 256, 192));
+  EXPECT_TRUE(has_shape_of(camera, 257, 192));
+  EXPECT_FALSE(has_shape_of(camera, 259, 192));
+  EXPECT_FALSE(has_shape_of(camera, 192, 256));
+  EXPECT_FALSE(has_shape_of(camera, 256, 144));
+}
+
+TEST(OneCamera, TakesTheSizeOfMost) {
+  const std::vector<PictureSize> sizes{{8, 8}, {64, 48}, {64, 48}};
+  EXPECT_EQ(first_of_most(sizes), 1U);
+  EXPECT_EQ(first_of_most(std::span(sizes).first(2)), 0U);
 }
 
 TEST(OneCamera, TakesTheMedianAndKeepsTheShape) {

@@ -23,29 +23,36 @@ Expected<image::ColorImage> read_color_of(const PhoneListing& listing,
   return image::read_color_as_taken(picture.color);
 }
 
-// The first that can be read; the first's error where none can.
-Expected<image::ColorImage> any_color_of(const PhoneListing& listing) {
-  auto first = read_color_of(listing, listing.pictures.front());
-  for (std::size_t i = 1; !first && i < listing.pictures.size(); ++i) {
-    if (auto other = read_color_of(listing, listing.pictures[i])) return other;
+// That most of the first few have that can be read; the first's error where none can.
+Expected<PictureSize> size_of_pictures(const PhoneListing& listing) {
+  constexpr std::size_t kMaxEnough = 5;
+  const std::size_t enough = listing.read_color ? 1 : kMaxEnough;  // a video is of one size
+  std::vector<PictureSize> sizes;
+  std::optional<Error> why;
+  for (const PhonePicture& picture : listing.pictures) {
+    if (sizes.size() == enough) break;
+    const auto color = read_color_of(listing, picture);
+    if (color) sizes.emplace_back(color->width(), color->height());
+    if (!color && !why) why = color.error();
   }
-  return first;
+  if (sizes.empty()) return Unexpected(*std::move(why));
+  return sizes[first_of_most(sizes)];
 }
 
-Expected<void> check_camera(const PhonePicture& picture, const image::ColorImage& first) {
+Expected<void> check_camera(const PhonePicture& picture, const PictureSize& size) {
   const PinholeCamera& camera = picture.camera;
   if (const auto valid = camera.validate(); !valid) {
     return fail("{}: its camera: {}", picture.color.string(), valid.error().message);
   }
-  if (camera.width == first.width() && camera.height == first.height()) return {};
+  if (PictureSize(camera.width, camera.height) == size) return {};
   return fail("{}: its camera is of {}x{} pixels, but the pictures have {}x{}",
-              picture.color.string(), camera.width, camera.height, first.width(), first.height());
+              picture.color.string(), camera.width, camera.height, size.first, size.second);
 }
 
 // Takes the pictures that are damaged out, and gives the cameras, which are of the pictures' size,
 // that size: only the pictures say it.
 Expected<void> keep_whole_pictures(PhoneListing& listing) {
-  ROOMWISE_TRY(const auto first, any_color_of(listing));
+  ROOMWISE_TRY(const PictureSize size, size_of_pictures(listing));
   const auto time_of = [](const PhonePicture& picture) { return picture.timestamp_ns; };
   keep_longest_rise(listing.pictures, time_of, [&](const PhonePicture& picture) {
     listing.damaged.push_back(
@@ -55,9 +62,9 @@ Expected<void> keep_whole_pictures(PhoneListing& listing) {
   });
   std::vector<PhonePicture> whole;
   for (PhonePicture& picture : listing.pictures) {
-    if (picture.camera.width == 0) picture.camera.width = first.width();
-    if (picture.camera.height == 0) picture.camera.height = first.height();
-    const auto fine = check_camera(picture, first);
+    if (picture.camera.width == 0) picture.camera.width = size.first;
+    if (picture.camera.height == 0) picture.camera.height = size.second;
+    const auto fine = check_camera(picture, size);
     if (fine) {
       whole.push_back(std::move(picture));
     } else {
@@ -165,8 +172,9 @@ std::string PhoneRecording::describe(const RecordedPicture& picture) const {
 Expected<Bytes> PhoneRecording::read_encoded(const PhonePicture& picture) const {
   ROOMWISE_TRY(const auto color, read_color_of(listing_, picture));
   if (color.width() != picture.camera.width || color.height() != picture.camera.height) {
-    return fail("{}: has {}x{} pixels, the recording's first picture {}x{}", picture.color.string(),
-                color.width(), color.height(), picture.camera.width, picture.camera.height);
+    return fail("{}: has {}x{} pixels, the recording's other pictures {}x{}",
+                picture.color.string(), color.width(), color.height(), picture.camera.width,
+                picture.camera.height);
   }
   return image::encode_jpeg(turned(as_seen_by(color, picture.camera, common_camera_), turns_),
                             kResampledJpegQuality);
@@ -176,6 +184,12 @@ Expected<image::DepthImage> PhoneRecording::read_depth(const std::filesystem::pa
                                                        const PinholeCamera& camera) const {
   ROOMWISE_TRY(image::DepthImage depth, image::read_depth(file));
   if (listing_.no_depth != 0) std::ranges::replace(depth.pixels(), listing_.no_depth, 0);
+  if (!listing_.depth_camera && !has_shape_of(camera, depth.width(), depth.height())) {
+    return fail(
+        "{}: has {}x{} pixels, which is another shape than its picture's {}x{}; depth must show "
+        "what the picture shows",
+        file.string(), depth.width(), depth.height(), camera.width, camera.height);
+  }
   const PinholeCamera from =
       listing_.depth_camera.value_or(depth_camera(camera, depth.width(), depth.height()));
   if (from.width != depth.width() || from.height != depth.height()) {

@@ -139,6 +139,10 @@ Expected<Record3dFacts> facts_from(const Json& json, const Record3dFiles& files)
   ROOMWISE_TRY(size.height, side_of(json, "h", 65'535));
   ROOMWISE_TRY(facts.depth_width, side_of(json, "dw", kMaxDepthSide));
   ROOMWISE_TRY(facts.depth_height, side_of(json, "dh", kMaxDepthSide));
+  if (!has_shape_of(size, facts.depth_width, facts.depth_height)) {
+    return fail("depth of {}x{} pixels is of another shape than pictures of {}x{}",
+                facts.depth_width, facts.depth_height, size.width, size.height);
+  }
   const std::size_t listed = frames_listed(json);
   std::size_t lacking = 0;
   for (std::size_t i = 0; i < listed || (listed == 0 && files.has_color(i)); ++i) {

@@ -164,6 +164,13 @@ TEST_F(Record3dTest, ASizeThatIsNotThePicturesIsRefused) {
   EXPECT_ERROR((*opened)->frame(0), "64x48 pixels, metadata says 48x64");
 }
 
+TEST_F(Record3dTest, DepthOfAnotherShapeIsRefused) {
+  std::string metadata(files_["metadata"].begin(), files_["metadata"].end());
+  metadata.replace(metadata.find("\"dw\": 12"), 8, "\"dw\": 16");
+  files_["metadata"] = bytes_of(metadata);
+  EXPECT_ERROR(open(files_), "depth of 16x16 pixels is of another shape than pictures of 48x64");
+}
+
 // The same recording as the app exports it to a folder.
 class Record3dExrTest : public ::testing::Test {
  protected:

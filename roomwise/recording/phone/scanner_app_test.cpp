@@ -270,6 +270,31 @@ TEST_F(ScannerAppFolder, NamesThePictureThatCannotBeRead) {
   EXPECT_ERROR(open().value()->frame(0), "depth_00000.png");
 }
 
+TEST_F(ScannerAppFolder, RefusesDepthOfAnotherShape) {
+  write(3, "depth_{:05}.png", image::encode_png(image::DepthImage(16, 16, 1000)));
+  const auto recording = open();
+  ASSERT_OK(recording);
+  EXPECT_OK((*recording)->frame(0));
+  EXPECT_ERROR(
+      (*recording)->frame(3),
+      "depth_00003.png: has 16x16 pixels, which is another shape than its picture's 64x48");
+}
+
+TEST_F(ScannerAppFolder, OneOddPictureAtTheBeginningCostsItselfAlone) {
+  write(0, "frame_{:05}.jpg", image::encode_jpeg(image::ColorImage(48, 48), 90));
+  for (int i = 6; i < 9; ++i) {
+    write(i, "frame_{:05}.json", frame_json(i).dump());
+    write(i, "depth_{:05}.png", image::encode_png(image::DepthImage(16, 12, 1000)));
+    write(i, "frame_{:05}.jpg", image::encode_jpeg(image::ColorImage(kWidth_px, kHeight_px), 90));
+  }
+  const auto recording = open();
+  ASSERT_OK(recording);
+  EXPECT_ERROR((*recording)->frame(0),
+               "frame_00000.jpg: has 48x48 pixels, the recording's other pictures 64x48");
+  EXPECT_OK((*recording)->frame(3));
+  EXPECT_OK((*recording)->frame(8));
+}
+
 TEST_F(ScannerAppFolder, WantsOneFrameThatIsWhole) {
   std::filesystem::remove(file(0, "frame_{:05}.json"));
   std::filesystem::remove(file(3, "frame_{:05}.json"));

@@ -130,7 +130,7 @@ class RobotRecording final : public Recording {
   template <typename Picture>
   static Expected<void> check_size(const ImageStream& stream, const Picture& picture) {
     if (picture.width() == stream.width && picture.height() == stream.height) return {};
-    return fail("has {}x{} pixels, the first one {}x{}", picture.width(), picture.height(),
+    return fail("has {}x{} pixels, the others {}x{}", picture.width(), picture.height(),
                 stream.width, stream.height);
   }
 

@@ -393,6 +393,25 @@ TEST_F(RobotTest, ADamagedImageIsNamed) {
                "/camera/color/image_raw at 1700000000.500000 s: its picture of 40x30");
 }
 
+TEST_F(RobotTest, OneOddImageAtTheBeginningCostsItselfAlone) {
+  RobotLog log;
+  log.info("/camera/color/camera_info", "color");
+  for (int i = 0; i < 3; ++i) {
+    const TimestampNs time = kStart + i * kTenth;
+    if (i == 0) {
+      log.image("/camera/color/image_raw", time, "color", "rgb8", 8, 8, Bytes(3 * 8 * 8, 50));
+    } else {
+      log.color("/camera/color/image_raw", time, "color");
+    }
+    log.depth("/camera/aligned/image_raw", time, "color");
+  }
+  const auto opened = open(log);
+  ASSERT_OK(opened);
+  EXPECT_ERROR((*opened)->frame(0), "has 8x8 pixels, the others 40x30");
+  EXPECT_OK((*opened)->frame(1));
+  EXPECT_OK((*opened)->frame(2));
+}
+
 TEST_F(RobotTest, AFileThatWasCutOffGivesAnErrorOrTheFramesBefore) {
   RobotLog log;
   log.info("/c/camera_info", "color");

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "roomwise/image/codec.h"
+#include "roomwise/recording/phone/one_camera.h"
 #include "roomwise/recording/robot/camera_model.h"
 
 namespace roomwise::recording {
@@ -145,6 +146,27 @@ Expected<void> look_at(const Channel& channel, const Bytes& bytes, ImageStream& 
   return take_size(image, stream);
 }
 
+// As the first says that has the size of most of the first few that can be read.
+Expected<void> look_at_some(const MessageLog& log, const Channel& channel, ImageStream& stream) {
+  constexpr std::size_t kEnough = 5;
+  std::vector<ImageStream> seen;
+  std::vector<PictureSize> sizes;
+  std::optional<Error> why;
+  for (const MessagePlace& message : log.messages(stream.channel)) {
+    if (seen.size() == kEnough) break;
+    ImageStream one = stream;
+    const auto looked = log.read(message).and_then(
+        [&](const Bytes& bytes) { return look_at(channel, bytes, one); });
+    if (!looked && !why) why = looked.error();
+    if (!looked) continue;
+    sizes.emplace_back(one.width, one.height);
+    seen.push_back(std::move(one));
+  }
+  if (seen.empty()) return Unexpected(*std::move(why));
+  stream = seen[first_of_most(sizes)];
+  return {};
+}
+
 // What "Depth Units" of the stream's sensor says, where RealSense's recorder wrote it.
 std::optional<double> realsense_unit_m(const MessageLog& log, const std::string& stream) {
   const std::string sensor = stream.substr(0, stream.rfind('/'));
@@ -175,8 +197,7 @@ Expected<ImageStream> stream_of(const MessageLog& log, std::size_t number) {
   stream.is_compressed = channel.type == MessageType::kCompressedImage;
   stream.count = log.messages(number).size();
   stream.first_ns = log.messages(number).front().timestamp_ns;
-  ROOMWISE_TRY(const Bytes bytes, log.read(log.messages(number).front()));
-  ROOMWISE_RETURN_IF_ERROR(look_at(channel, bytes, stream));
+  ROOMWISE_RETURN_IF_ERROR(look_at_some(log, channel, stream));
   if (const std::string realsense = realsense_stream_of(stream.topic); !realsense.empty()) {
     stream.frame = realsense;
     if (const auto unit = realsense_unit_m(log, realsense)) stream.depth_unit_m = *unit;

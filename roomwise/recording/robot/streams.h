@@ -28,8 +28,8 @@ struct ImageStream {
 
 // The image channels of a log, with their cameras. To a picture belongs a camera info of its size
 // whose namespace holds its topic, or whose frame is its own: the closest namespace, then the
-// frame, then the name that is most alike. A channel whose first message cannot be read is left
-// out, and `notes` says why.
+// frame, then the name that is most alike. A channel of which no message can be read is left
+// out, and `notes` says why. One of several sizes has that of most of its first messages.
 [[nodiscard]] std::vector<ImageStream> find_image_streams(const MessageLog& log,
                                                           std::vector<std::string>& notes);
 
