@@ -8,6 +8,8 @@
 #include <system_error>
 
 #include "roomwise/base/encodings.h"
+#include "roomwise/base/file.h"
+#include "roomwise/base/put_in_place.h"
 #include "roomwise/service/credentials/private_folder.h"
 #include "roomwise/service/credentials/secrets.h"
 
@@ -21,7 +23,7 @@ constexpr std::size_t kMaxDevices = 100;
 constexpr std::int64_t kSeenStep_s = 60;
 
 constexpr auto kSchema = R"(
-CREATE TABLE IF NOT EXISTS devices (
+CREATE TABLE devices (
   device INTEGER PRIMARY KEY AUTOINCREMENT,
   name TEXT NOT NULL,
   role TEXT NOT NULL CHECK (role IN ('device', 'helper')),
@@ -29,6 +31,20 @@ CREATE TABLE IF NOT EXISTS devices (
   paired_s INTEGER NOT NULL,
   last_seen_s INTEGER NOT NULL);
 )";
+
+// There whole or not at all: one without its table has lost it.
+Expected<void> make_devices(const fs::path& path) {
+  const fs::path part = path.string() + ".part";
+  std::error_code ignored;
+  fs::remove(part, ignored);  // of a program that was stopped
+  ROOMWISE_RETURN_IF_ERROR(write_file(part, ""));  // SQLite opens what is there
+  {
+    ROOMWISE_TRY(home::Database database,
+                 home::Database::open(part, home::Database::Access::kReadWrite));
+    ROOMWISE_RETURN_IF_ERROR(database.run_script(kSchema));
+  }
+  return put_in_place(part, path);
+}
 
 }  // namespace
 
@@ -50,15 +66,22 @@ Expected<std::unique_ptr<AccessRegister>> AccessRegister::open(const fs::path& f
                                                                std::shared_ptr<PairingDoor> door) {
   ROOMWISE_RETURN_IF_ERROR(make_private_folder(folder));
   const fs::path path = folder / kDevicesFile;
-  if (!fs::exists(path))
-    ROOMWISE_RETURN_IF_ERROR(write_file(path, ""));  // SQLite opens what is there
+  ROOMWISE_TRY(home::WriterLock lock, home::WriterLock::take(path));
+  if (!fs::exists(path)) ROOMWISE_RETURN_IF_ERROR(make_devices(path));
   std::error_code error;
   fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write, error);
   if (error) return fail("{}: cannot be made private: {}", path.string(), error.message());
-  ROOMWISE_TRY(home::WriterLock lock, home::WriterLock::take(path));
   ROOMWISE_TRY(home::Database database,
                home::Database::open(path, home::Database::Access::kReadWrite));
-  ROOMWISE_RETURN_IF_ERROR(database.run_script(kSchema));
+  ROOMWISE_TRY(const auto tables,
+               database.get<std::int64_t>(
+                   "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = 'devices'"));
+  if (tables == 0) {
+    return fail_with(ErrorCode::kDamaged,
+                     "{}: is damaged: the list of paired devices is gone from it; put back a copy "
+                     "of it, or remove it and pair every device anew",
+                     path.string());
+  }
   std::unique_ptr<AccessRegister> access(
       new AccessRegister(std::move(lock), std::move(database), std::move(door)));
   ROOMWISE_RETURN_IF_ERROR(access->load());

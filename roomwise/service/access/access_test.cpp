@@ -96,6 +96,18 @@ TEST_F(AccessTest, ARestartKeepsDevicesAndForgetsCodes) {
   EXPECT_EQ(access_->devices()[0].last_seen_s, 1'700'000'100);
 }
 
+TEST_F(AccessTest, AListThatWasEmptiedIsSaidSo) {
+  access_.reset();
+  const auto file = folder_ / "flat.home.access" / "devices.sqlite";
+  std::filesystem::resize_file(file, 0);
+  EXPECT_ERROR(AccessRegister::open(folder_ / "flat.home.access", kFingerprint),
+               "devices.sqlite: is damaged: the list of paired devices is gone from it");
+  EXPECT_EQ(std::filesystem::file_size(file), 0U);
+  std::filesystem::remove(file);
+  open();
+  EXPECT_THAT(access_->devices(), ::testing::IsEmpty());
+}
+
 TEST_F(AccessTest, ARemovedDevicesNumberIsNotGivenAgain) {
   const auto pairing = redeem(code());
   EXPECT_TRUE(access_->revoke(pairing->who.device).value());
