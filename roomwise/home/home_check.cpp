@@ -1,4 +1,7 @@
 // What of a home's file is whole.
+#include <algorithm>
+
+#include "roomwise/base/shell_word.h"
 #include "roomwise/home/home.h"
 #include "roomwise/home/page_checksums.h"
 #include "roomwise/home/schema.h"
@@ -67,10 +70,9 @@ Expected<void> Home::verify() const {
   if (check.damaged_tables.empty() && !check.lost_pictures.empty())
     return fail("{}", check.lost_pictures.begin()->second);
   return fail(
-      "{0}: is damaged ({1}); put back a copy of it, or see what is left of it with: roomwise "
-      "check "
-      "{0}",
-      file(), finding(check));
+      "{}: is damaged ({}); put back a copy of it, or see what is left of it with: roomwise "
+      "check {}",
+      file(), finding(check), shell_word(file()));
 }
 
 Expected<std::map<KeyframeId, std::string>> Home::unreadable_pictures() const {
@@ -78,19 +80,28 @@ Expected<std::map<KeyframeId, std::string>> Home::unreadable_pictures() const {
                collect<std::vector<KeyframeId>>(
                    database_, "SELECT keyframe_id FROM keyframes ORDER BY keyframe_id",
                    [](const Statement& row) { return row.column<KeyframeId>(0); }));
+  const auto read = [&](std::uint64_t id, const PictureColumn& column) -> Expected<void> {
+    ROOMWISE_TRY(auto picture,
+                 database_.find<Bytes>(fmt::format("SELECT {} FROM {} WHERE {} = ?", column.column,
+                                                   column.table, column.id),
+                                       id));
+    if (!picture || is_locked()) return {};
+    return decrypt_if_sealed(id, column.kind, *std::move(picture)).map([](const Bytes&) {});
+  };
   std::map<KeyframeId, std::string> unreadable;
   for (const KeyframeId id : ids) {
     for (const PictureColumn& column : kPictureColumns) {
       if (column.id != "keyframe_id") continue;
-      const auto read = [&]() -> Expected<void> {
-        ROOMWISE_TRY(auto picture,
-                     database_.find<Bytes>(fmt::format("SELECT {} FROM {} WHERE keyframe_id = ?",
-                                                       column.column, column.table),
-                                           id));
-        if (!picture || is_locked()) return {};
-        return decrypt_if_sealed(id, column.kind, *std::move(picture)).map([](const Bytes&) {});
-      };
-      if (const auto is_read = read(); !is_read) unreadable.emplace(id, is_read.error().message);
+      if (const auto is_read = read(id, column); !is_read)
+        unreadable.emplace(id, is_read.error().message);
+    }
+  }
+  const auto* const of_view =
+      std::ranges::find(kPictureColumns, PictureKind::kDepthView, &PictureColumn::kind);
+  if (const auto views = depth_views()) {
+    for (const DepthView& view : *views) {
+      if (const auto is_read = read(view.id, *of_view); !is_read)
+        unreadable.emplace(view.keyframe, is_read.error().message);
     }
   }
   return unreadable;

@@ -343,6 +343,23 @@ TEST_F(ProtectedHome, RefusesPicturesThatWereChanged) {
   }
 }
 
+TEST_F(ProtectedHome, FindsADepthImageBetweenPicturesThatWasChanged) {
+  make_protected("open sesame");
+  EXPECT_OK(Home::open_read_only(path_, with("open sesame"))->verify());
+  run_sql(
+      "UPDATE keyframe_depth_views SET depth = substr(depth, 1, length(depth) - 1) "
+      "WHERE keyframe_id = 1");
+  const Home home = Home::open_read_only(path_, with("open sesame")).value();
+  const HomeCheck found = home.check().value();
+  EXPECT_FALSE(found.is_whole());
+  ASSERT_EQ(found.lost_pictures.size(), 1U);
+  EXPECT_EQ(found.lost_pictures.begin()->first, 1U);
+  const auto views = home.depth_views().value();
+  const auto view = std::ranges::find(views, KeyframeId{1}, &DepthView::keyframe);
+  EXPECT_ERROR(home.verify(), fmt::format("depth image {} between pictures was changed", view->id));
+  EXPECT_TRUE(Home::open_read_only(path_)->check()->is_whole()) << "it cannot be looked at";
+}
+
 TEST_F(ProtectedHome, RefusesAKeyThatWasChanged) {
   make_protected("open sesame");
   const Bytes whole = read_file(path_).value();

@@ -60,6 +60,19 @@ Binding binding_of(std::uint64_t keyframe, PictureKind kind) {
   return fmt::format("roomwise picture 1, kind {}, key-frame {}", static_cast<int>(kind), keyframe);
 }
 
+// For people.
+std::string described(PictureKind kind, std::uint64_t number) {
+  switch (kind) {
+    case PictureKind::kOwnThing:
+    case PictureKind::kOwnThingMask:
+      return fmt::format("view {} of a thing that somebody taught", number);
+    case PictureKind::kDepthView:
+      return fmt::format("depth image {} between pictures", number);
+    default:
+      return fmt::format("a picture of key-frame {}", number);
+  }
+}
+
 // What stands beside the wrapped key in the home, and is bound to it.
 struct Wrapping {
   std::string state;
@@ -146,8 +159,7 @@ Expected<Bytes> PictureCipher::open(std::uint64_t keyframe, PictureKind kind,
     const auto rest = sealed.subspan(kSealedPictureMark.size());
     if (open_sealed(rest, *key_, binding_of(keyframe, kind), picture)) return picture;
   }
-  return fail("a picture of key-frame {} was changed since it was sealed, or is another's",
-              keyframe);
+  return fail("{} was changed since it was sealed, or is another's", described(kind, keyframe));
 }
 
 Expected<std::string> PictureCipher::wrap(const Passphrase& passphrase, ProtectionState state,
