@@ -16,6 +16,8 @@ namespace {
 namespace websocket = beast::websocket;
 using boost::system::error_code;
 
+constexpr std::size_t kPieceBytes = 64 * 1024;  // of a message, read at once
+
 class SocketConnection;
 
 // What waits for a client. Others hold it as long as they like; it holds nothing.
@@ -62,7 +64,7 @@ class SocketConnection final : public Connection,
                       : fmt::format("{}: device {}", client_.home->name(), who_.device)),
         peer_(std::move(peer)),
         stream_(std::move(stream)),
-        buffer_(core_.options.limits.message_bytes),
+        buffer_(core_.options.limits.message_bytes + kPieceBytes),
         messages_(core_.options.limits.burst_messages, core_.options.limits.rate_messages),
         bytes_(core_.options.limits.burst_bytes, core_.options.limits.rate_bytes),
         hello_timer_(core_.io),
@@ -77,7 +79,7 @@ class SocketConnection final : public Connection,
     stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& answer) {
       answer.set(beast::http::field::sec_websocket_protocol, "roomwise.1");
     }));
-    stream_.read_message_max(0);  // the buffer's own limit says so when it is reached
+    stream_.read_message_max(0);  // it would end without a reason; see read_on()
     auto kept = std::make_shared<BeastRequest>(std::move(request));
     stream_.async_accept(*kept, [self = shared_from_this(), kept](error_code error) {
       if (error) return;
@@ -176,10 +178,22 @@ class SocketConnection final : public Connection,
   void read() {
     if (closed_) return;
     buffer_.clear();
-    stream_.async_read(buffer_, [self = shared_from_this()](error_code error, std::size_t) {
-      if (error) return self->on_closed(error);
-      self->on_message();
-    });
+    read_on();
+  }
+
+  // Piece by piece: a stream that reached a limit of its own can say nothing any more.
+  void read_on() {
+    stream_.async_read_some(
+        buffer_, kPieceBytes, [self = shared_from_this()](error_code error, std::size_t) {
+          const std::size_t most = self->core_.options.limits.message_bytes;
+          if (error) return self->on_closed(error);
+          if (self->buffer_.size() > most) {
+            return self->refuse("a message that is too large", websocket::close_code::too_big,
+                                fmt::format("a message has at most {} bytes", most));
+          }
+          if (self->stream_.is_message_done()) return self->on_message();
+          self->read_on();
+        });
   }
 
   void on_message() {
@@ -205,22 +219,27 @@ class SocketConnection final : public Connection,
       why = fmt::format("too many bytes: at most {:.0f} a second", limits.rate_bytes);
     }
     if (why.empty()) return false;
-    core_.events.refused("too many messages of one client", peer_, now_s);
-    ending_ = websocket::close_code::policy_error;
-    end_reason_ = why;
+    refuse("too many messages of one client", websocket::close_code::policy_error, why);
+    return true;
+  }
+
+  void refuse(const std::string& what, websocket::close_code code, std::string why) {
+    core_.events.refused(what, peer_, core_.now().steady_s);
+    ending_ = code;
+    end_reason_ = std::move(why);
     out_->shut();
     flush();
     read_to_the_end();
-    return true;
   }
 
   // Until the other side has closed, too.
   void read_to_the_end() {
     buffer_.clear();
-    stream_.async_read(buffer_, [self = shared_from_this()](error_code error, std::size_t) {
-      if (error) return self->on_closed(error);
-      self->read_to_the_end();
-    });
+    stream_.async_read_some(buffer_, kPieceBytes,
+                            [self = shared_from_this()](error_code error, std::size_t) {
+                              if (error) return self->on_closed(error);
+                              self->read_to_the_end();
+                            });
   }
 
   void close() {
@@ -238,13 +257,7 @@ class SocketConnection final : public Connection,
     closed_ = true;
     hello_timer_.cancel();
     out_->shut();
-    if (error == websocket::error::buffer_overflow) {
-      core_.events.refused("a message that is too large", peer_, core_.now().steady_s);
-      ending_ = websocket::close_code::too_big;
-      end_reason_ =
-          fmt::format("a message has at most {} bytes", core_.options.limits.message_bytes);
-      if (!closing_) close();
-    } else if (error == beast::error::timeout) {
+    if (error == beast::error::timeout) {
       core_.events.refused("a client that is gone", peer_, core_.now().steady_s);
     }
     core_.events.say(fmt::format("{}: {} ({}) gone{}", peer_, known_as_, who_.name,

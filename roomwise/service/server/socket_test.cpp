@@ -106,11 +106,18 @@ TEST_F(SocketTest, OpensOnlyForWhoMay) {
 TEST_F(SocketTest, RefusesAMessageThatIsTooLarge) {
   const auto connection = connect();
   ASSERT_TRUE(connection);
+  ASSERT_OK(connection->send_binary(Bytes(4'000'000, 7)));
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.binaries.size() == 1; }));
   ASSERT_OK(connection->send_binary(Bytes(4'000'001, 7)));
-  EXPECT_FALSE(connection->receive(kMax).has_value());
+  EXPECT_ERROR(connection->receive(kMax), "a message has at most 4000000 bytes");
   EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.closed == 1; }));
-  EXPECT_TRUE(home_.sockets.binaries.empty());
-  EXPECT_EQ(home_.server->counts().refusals.at("a message that is too large"), 1u);
+  const auto another = connect();
+  ASSERT_TRUE(another);
+  ASSERT_OK(another->send_binary(Bytes(20'000'000, 7)));
+  EXPECT_ERROR(another->receive(kMax), "a message has at most 4000000 bytes");
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.closed == 2; }));
+  EXPECT_EQ(home_.sockets.binaries.size(), 1u);
+  EXPECT_EQ(home_.server->counts().refusals.at("a message that is too large"), 2u);
 }
 
 TEST_F(SocketTest, ClosesAClientThatSendsTooManyMessagesAndSaysWhy) {
