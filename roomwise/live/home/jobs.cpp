@@ -1,7 +1,9 @@
 #include "roomwise/live/home/jobs.h"
 
+#include <algorithm>
 #include <chrono>
 #include <system_error>
+#include <vector>
 
 #include "roomwise/base/stopwatch.h"
 
@@ -12,7 +14,7 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kBetweenNews = std::chrono::milliseconds(200);
 
 // A fault in the work must not end the program.
-Expected<JobEnd> carry_out(const Jobs::Body& body, Progress& progress) {
+Expected<JobEnd> carry_out(const Jobs::Body& body, JobProgress& progress) {
   try {
     return body(progress);
   } catch (const std::exception& fault) {
@@ -36,19 +38,63 @@ std::string message_of(ErrorCode code) {
   return "failed";
 }
 
+// The works that make up one step, and count alike.
+using Works = std::vector<std::string_view>;
+
+// The steps of a kind of job, in order, each of which counts alike: how long they take differs from
+// computer to computer.
+const std::vector<Works>& steps_of(std::string_view kind) {
+  static const Works space = {"fusing the map", "fusing depth between pictures"};
+  static const Works own_things = {"looking at what is usual", "comparing with what was taught",
+                                   "looking for what was taught"};
+  static const std::map<std::string_view, std::vector<Works>> steps = {
+      {"map",
+       {{"unpacking", "loading the map"},
+        {"mapping"},
+        {"looking at key-frames"},
+        {"checking the camera", "adjusting landmarks"},
+        {"finding features again"},
+        space,
+        own_things}},
+      {"prepare", {{"finding features again"}, space, own_things}},
+      {"learn", {{"looking at pictures"}}},
+      {"teach", {own_things}}};
+  static const std::vector<Works> none;
+  const auto found = steps.find(kind);
+  return found == steps.end() ? none : found->second;
+}
+
+// Where a work stands among the steps, and how much of them it is.
+struct Share {
+  double from = 0;
+  double size = 0;
+};
+std::optional<Share> share_of(std::string_view kind, std::string_view work) {
+  const auto& steps = steps_of(kind);
+  for (std::size_t s = 0; s < steps.size(); ++s) {
+    const auto found = std::ranges::find(steps[s], work);
+    if (found == steps[s].end()) continue;
+    const double size = 1.0 / static_cast<double>(steps.size() * steps[s].size());
+    const auto in_step = static_cast<double>(found - steps[s].begin());
+    return Share{static_cast<double>(s) / static_cast<double>(steps.size()) + in_step * size, size};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 // Turns what the work says into states. Called on the threads of the work.
-class Jobs::Teller final : public Progress {
+class Jobs::Teller final : public JobProgress {
  public:
   Teller(Jobs& jobs, service::JobState state) : jobs_(jobs), state_(std::move(state)) {}
 
   void begin(std::string_view work, std::optional<std::uint64_t> total) override {
     const std::scoped_lock lock(mutex_);
     state_.stage = work;
-    state_.fraction = 0;
     state_.left_s.reset();
+    share_ = share_of(state_.kind, work);
     total_ = total;
+    reach(0);
     began_ = Clock::now();
     tell_now();
   }
@@ -56,17 +102,27 @@ class Jobs::Teller final : public Progress {
     const std::scoped_lock lock(mutex_);
     state_.text = note;
     if (total_ && *total_ > 0) {
-      state_.fraction = std::min(1.0, static_cast<double>(done) / static_cast<double>(*total_));
-      if (state_.fraction > 0) {
-        state_.left_s = seconds_since(began_) * (1 - state_.fraction) / state_.fraction;
-      }
+      const double part = std::min(1.0, static_cast<double>(done) / static_cast<double>(*total_));
+      if (part > 0) state_.left_s = seconds_since(began_) * (1 - part) / part;
+      reach(part);
     }
     if (Clock::now() - told_ >= kBetweenNews) tell_now();
   }
   void end() override {}
+  void begin_round(std::size_t done, std::size_t of) override {
+    const std::scoped_lock lock(mutex_);
+    rounds_done_ = static_cast<double>(done);
+    rounds_ = static_cast<double>(of);
+  }
   [[nodiscard]] bool interrupted() const override { return jobs_.stop_; }
 
  private:
+  // What is no step, or comes once more, leaves the whole where it is.
+  void reach(double part) {
+    if (!share_) return;
+    const double whole = (rounds_done_ + share_->from + part * share_->size) / rounds_;
+    state_.fraction = std::max(state_.fraction, whole);
+  }
   void tell_now() {
     told_ = Clock::now();
     jobs_.publish(state_);
@@ -76,6 +132,9 @@ class Jobs::Teller final : public Progress {
   std::mutex mutex_;
   service::JobState state_;
   std::optional<std::uint64_t> total_;
+  std::optional<Share> share_;
+  double rounds_done_ = 0;
+  double rounds_ = 1;
   Clock::time_point began_ = Clock::now();
   Clock::time_point told_;
 };

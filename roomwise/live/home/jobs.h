@@ -38,6 +38,14 @@ struct JobEnd {
   return {std::move(text), std::move(message), {}, true};
 }
 
+// How far a job is. What it begins (Progress::begin) is a step of the kind of job; the steps
+// together are one whole that never goes back.
+class JobProgress : public Progress {
+ public:
+  // All steps come `of` times, and have come `done` times by now.
+  virtual void begin_round(std::size_t done, std::size_t of) = 0;
+};
+
 // Long work in the background, one piece at a time, that tells how far it is and can be stopped.
 class Jobs {
  public:
@@ -57,7 +65,7 @@ class Jobs {
 
   // What is done: gets a place to tell how far it is, which also says when to stop; returns what
   // came of it.
-  using Body = std::function<Expected<JobEnd>(Progress&)>;
+  using Body = std::function<Expected<JobEnd>(JobProgress&)>;
   // Fails where a job is running already, or no thread can be had for it: then it never ran.
   [[nodiscard]] Expected<void> start(const std::string& kind, Body body);
   // The same once nothing else runs: at once, or after what runs and waits by now. Never waits.

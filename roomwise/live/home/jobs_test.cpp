@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <future>
+#include <ranges>
 #include <system_error>
 #include <vector>
 
@@ -49,6 +51,38 @@ TEST(Jobs, TellWhatIsDoneAndWhatCameOfIt) {
     if (stages.empty() || stages.back() != state.stage) stages.push_back(state.stage);
   }
   EXPECT_THAT(stages, ::testing::IsSupersetOf({"mapping", "fusing"}));
+}
+
+TEST(Jobs, AreOneWholeThatNeverGoesBack) {
+  Told told;
+  Jobs jobs(std::ref(told));
+  ASSERT_OK(jobs.start("map", [](JobProgress& progress) -> Expected<JobEnd> {
+    for (std::size_t round = 0; round < 2; ++round) {
+      progress.begin_round(round, 2);
+      for (const char* work : {"loading the map", "mapping", "loading the map", "what is no step",
+                               "fusing the map", "looking for what was taught"}) {
+        progress.begin(work, 2);
+        progress.advance(2, "");
+      }
+    }
+    return fail("not to be told as done");
+  }));
+  jobs.wait();
+  std::vector<double> begun_at;
+  const std::scoped_lock lock(told.mutex);
+  for (const service::JobState& state : told.states) {
+    if (state.state == "running") begun_at.push_back(state.fraction);
+  }
+  EXPECT_TRUE(std::ranges::is_sorted(begun_at)) << ::testing::PrintToString(begun_at);
+  const auto at = std::ranges::find(told.states | std::views::reverse, "loading the map",
+                                    &service::JobState::stage);
+  ASSERT_NE(at, told.states.rend());
+  EXPECT_GT(at->fraction, 0.5) << "the second round";
+  EXPECT_LT(at->fraction, 0.7);
+  const auto mapping = std::ranges::find(told.states, "mapping", &service::JobState::stage);
+  ASSERT_NE(mapping, told.states.end());
+  EXPECT_GT(mapping->fraction, 0) << "it is not the first step";
+  EXPECT_LT(mapping->fraction, 0.5) << "nor the last";
 }
 
 TEST(Jobs, OneAtATime) {

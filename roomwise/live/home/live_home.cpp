@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
+#include <ranges>
 
 #include "roomwise/image/codec.h"
 #include "roomwise/pipeline/edits/walk_edits.h"
@@ -108,8 +110,9 @@ Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
         raw->meters_.failed("looking at what a device sent", fault);
       });
 
-  ROOMWISE_TRY(const auto waiting, live->waiting_walk());
-  ROOMWISE_RETURN_IF_ERROR(waiting ? live->start_mapping_what_waits() : live->go_on_preparing());
+  ROOMWISE_TRY(const auto waiting, live->waiting_walks());
+  ROOMWISE_RETURN_IF_ERROR(waiting.empty() ? live->go_on_preparing()
+                                           : live->start_mapping_what_waits());
   return live;
 }
 
@@ -391,21 +394,22 @@ Expected<bool> LiveHome::has_recording_of(const fs::path& folder) {
   });
 }
 
-Expected<std::optional<fs::path>> LiveHome::waiting_walk(const std::set<fs::path>& failed) {
-  ROOMWISE_TRY(auto unfinished, unfinished_walk());
-  if (unfinished && failed.contains(*unfinished)) return std::nullopt;
-  if (unfinished) return unfinished;
+Expected<std::vector<fs::path>> LiveHome::waiting_walks(const std::set<fs::path>& failed) {
+  ROOMWISE_TRY(const auto unfinished, unfinished_walk());
+  if (unfinished && failed.contains(*unfinished)) return std::vector<fs::path>();
   std::error_code error;
-  std::optional<fs::path> newest;
+  std::multimap<fs::file_time_type, fs::path, std::greater<>> by_time;
   for (const auto& entry : fs::directory_iterator(walks_folder(), error)) {
     const bool is_being_made = entry.path().filename().string().starts_with('.');
     if (is_being_made || failed.contains(entry.path())) continue;
     if (recording::find_recording_kind(entry.path()) == nullptr) continue;
     ROOMWISE_TRY(const bool is_mapped, has_recording_of(entry.path()));
-    if (is_mapped) continue;
-    if (!newest || time_of_walk(*newest) < time_of_walk(entry.path())) newest = entry.path();
+    if (!is_mapped) by_time.emplace(time_of_walk(entry.path()), entry.path());
   }
-  return newest;
+  std::vector<fs::path> waiting;
+  if (unfinished) waiting.push_back(*unfinished);
+  std::ranges::copy(by_time | std::views::values, std::back_inserter(waiting));
+  return waiting;
 }
 
 Expected<void> LiveHome::check_idle() const {

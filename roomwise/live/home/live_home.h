@@ -336,9 +336,9 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // this home.
   [[nodiscard]] Expected<std::optional<std::filesystem::path>> unfinished_walk();
   [[nodiscard]] Expected<bool> has_recording_of(const std::filesystem::path& folder);
-  // The unfinished one, before which no other can be mapped, else one that was recorded and is not
-  // in the home yet: the newest. But for those in `failed`.
-  [[nodiscard]] Expected<std::optional<std::filesystem::path>> waiting_walk(
+  // The unfinished one, before which no other can be mapped, then those that were recorded and are
+  // not in the home yet, the newest first. But for those in `failed`.
+  [[nodiscard]] Expected<std::vector<std::filesystem::path>> waiting_walks(
       const std::set<std::filesystem::path>& failed = {});
 
   const std::filesystem::path file_;

@@ -61,7 +61,7 @@ JobEnd map_is_ready() {
 }  // namespace
 
 Jobs::Body LiveHome::with_place(Jobs::Body body, WorkPlaces::Urgency urgency) {
-  return [this, body = std::move(body), urgency](Progress& progress) -> Expected<JobEnd> {
+  return [this, body = std::move(body), urgency](JobProgress& progress) -> Expected<JobEnd> {
     ROOMWISE_TRY(const auto place, options_.work_places->take(urgency, progress));
     return with_map_ready(body(progress), progress);
   };
@@ -280,15 +280,16 @@ Expected<void> LiveHome::end_recording() {
 }
 
 Expected<void> LiveHome::start_mapping_what_waits() {
-  return start_work("map", [this](Progress& progress) -> Expected<JobEnd> {
+  return start_work("map", [this](JobProgress& progress) -> Expected<JobEnd> {
     Expected<JobEnd> ended = JobEnd{"nothing waited to be mapped", "nothing_waited"};
     std::set<fs::path> failed;
-    for (;;) {
-      ROOMWISE_TRY(const auto walk, waiting_walk(failed));
-      if (!walk) return ended;
-      auto mapped = map_folder(*walk, progress);
+    for (std::size_t done = 0;; ++done) {
+      ROOMWISE_TRY(const auto waiting, waiting_walks(failed));
+      if (waiting.empty()) return ended;
+      progress.begin_round(done, done + waiting.size());
+      auto mapped = map_folder(waiting.front(), progress);
       if (!mapped && mapped.error().code == ErrorCode::kInterrupted) return mapped;
-      if (!mapped) failed.insert(*walk);
+      if (!mapped) failed.insert(waiting.front());
       if (ended) ended = std::move(mapped);  // the first that failed is told of
     }
   });
@@ -297,8 +298,8 @@ Expected<void> LiveHome::start_mapping_what_waits() {
 Expected<void> LiveHome::go_on_mapping() {
   return instead_of_preparing([&]() -> Expected<void> {
     ROOMWISE_RETURN_IF_ERROR(check_idle());
-    ROOMWISE_TRY(const auto waiting, waiting_walk());
-    return waiting ? start_mapping_what_waits() : fail("no walk waits to be mapped");
+    ROOMWISE_TRY(const auto waiting, waiting_walks());
+    return waiting.empty() ? fail("no walk waits to be mapped") : start_mapping_what_waits();
   });
 }
 

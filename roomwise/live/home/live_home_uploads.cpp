@@ -139,13 +139,13 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
     return mapped;
   };
   // Also where it is stopped before it has a place to work at.
-  const auto map = [this,
-                    work = with_place(map_now, WorkPlaces::Urgency::kCanWait)](Progress& progress) {
-    Expected<JobEnd> mapped = work(progress);
-    const std::scoped_lock lock(upload_mutex_);
-    upload_in_hand_.clear();
-    return mapped;
-  };
+  const auto map =
+      [this, work = with_place(map_now, WorkPlaces::Urgency::kCanWait)](JobProgress& progress) {
+        Expected<JobEnd> mapped = work(progress);
+        const std::scoped_lock lock(upload_mutex_);
+        upload_in_hand_.clear();
+        return mapped;
+      };
   return instead_of_preparing([&]() -> Expected<void> {
     ROOMWISE_RETURN_IF_ERROR(check_idle());
     const std::scoped_lock lock(upload_mutex_);

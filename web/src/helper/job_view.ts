@@ -1,7 +1,7 @@
-// How far a job is: a bar and words; every quarter of it is announced.
+// How far a job is: a bar and words; every quarter and every stage of it is announced.
 import { request } from '../shared/api';
 import { h } from '../shared/dom';
-import { wordsOfEnd } from '../shared/job_words';
+import { wordsOfEnd, wordsOfStage } from '../shared/job_words';
 import type { Job, JobKind } from '../shared/protocol';
 import { counted, formatPercent, text } from '../shared/texts';
 import { actOrSay, type Helper } from './actions';
@@ -9,7 +9,7 @@ import { actOrSay, type Helper } from './actions';
 export function jobView(helper: Helper, ...kinds: [JobKind, ...JobKind[]]): HTMLElement {
   const { store } = helper;
   const bar = h('progress', { max: 1, 'aria-label': text(`job.${kinds[0]}`) });
-  // For the eyes; the bar says the same, and the quarters are said below.
+  // For the eyes; the bar says the same, and what is new is said below.
   const words = h('p', { class: 'progress-words', 'aria-hidden': 'true' });
   const news = h('p', { class: 'visually-hidden', role: 'status' });
   const stop = h('button', { type: 'button', onclick: () => stopNow() }, text('job.stop'));
@@ -38,7 +38,7 @@ export function jobView(helper: Helper, ...kinds: [JobKind, ...JobKind[]]): HTML
     if (mine.state !== 'running') {
       helper.announcer.clear(); // that it has started is no news any more
     }
-    const milestone = `${mine.kind} ${mine.state} ${mine.state === 'running' ? Math.floor(mine.fraction * 4) : ''}`;
+    const milestone = `${mine.kind} ${mine.state} ${mine.state === 'running' ? `${Math.floor(mine.fraction * 4)} ${wordsOfStage(mine)}` : ''}`;
     if (milestone !== said) {
       said = milestone;
       news.textContent = wordsOf(mine);
@@ -52,7 +52,9 @@ function wordsOf(job: Job): string {
     return [text(`job.${job.kind}_${job.state}`), wordsOfEnd(job)].filter((part) => part !== '').join(' ');
   }
   const left = job.left_s === null ? '' : leftOf(job.left_s);
-  return [text(`job.${job.kind}`), formatPercent(job.fraction), left].filter((part) => part !== '').join(', ');
+  const whole = `${text(`job.${job.kind}`)}, ${formatPercent(job.fraction)}`;
+  const stage = wordsOfStage(job); // what is left is of it alone
+  return [stage === '' ? whole : `${whole}. ${stage}`, left].filter((part) => part !== '').join(', ');
 }
 
 function leftOf(seconds: number): string {

@@ -12,6 +12,19 @@ const kEnds: Record<string, TextKey> = {
   disk_full: 'job.end.disk_full', damaged: 'job.end.damaged',
 };
 
+const kStages: Record<string, TextKey> = {
+  unpacking: 'job.stage.unpack', 'loading the map': 'job.stage.load', mapping: 'job.stage.place', 'looking at key-frames': 'job.stage.things',
+  'checking the camera': 'job.stage.adjust', 'adjusting landmarks': 'job.stage.adjust', 'finding features again': 'job.stage.find_again',
+  'fusing the map': 'job.stage.join', 'fusing depth between pictures': 'job.stage.join',
+  'looking at what is usual': 'job.stage.taught', 'comparing with what was taught': 'job.stage.taught', 'looking for what was taught': 'job.stage.taught',
+};
+
+// What a job that runs does now; empty where its kind says all.
+export function wordsOfStage(job: Job): string {
+  const key = kStages[job.stage];
+  return key === undefined ? '' : text(key);
+}
+
 // Behind `job.KIND_STATE`; empty where that says all. What the pages have no words for stands as the computer has it, in English.
 export function wordsOfEnd(job: Job): string {
   if (job.message === 'stopped') {

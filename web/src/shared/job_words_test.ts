@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { wordsOfEnd } from './job_words';
+import { wordsOfEnd, wordsOfStage } from './job_words';
 import type { Job } from './protocol';
 import { kLanguages, setLanguage } from './texts';
 
@@ -30,6 +30,12 @@ test('what a job came to is said in the language of the page, with its numbers',
   assert.equal(said.size, jobs.length * kLanguages.length, 'no two are alike');
   setLanguage('de');
   assert.equal(wordsOfEnd(jobs[1] as Job), 'Bilder mit einem Ort auf der Karte: 1.234 von 2.000. Gefundene Dinge: 7.');
+});
+
+test('what a job does now is said in the language of the page', () => {
+  setLanguage('de');
+  assert.equal(wordsOfStage({ ...ended(''), stage: 'mapping' }), 'Jedes Bild bekommt seinen Ort');
+  assert.equal(wordsOfStage({ ...ended(''), stage: 'something new' }), '');
 });
 
 test('what the pages have no words for is said as the computer has it', () => {

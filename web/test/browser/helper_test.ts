@@ -277,6 +277,21 @@ test('learning: progress is told in quarters, it can be stopped, its end is told
   await visit.close();
 }));
 
+test('a job is one progress, told with what is done now, once for each stage and quarter', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#walks');
+  await visit.sees('Name of the walk');
+  for (const [fraction, stage] of [[0.15, 'mapping'], [0.2, 'mapping'], [0.26, 'mapping'], [0.3, 'looking at key-frames'], [0.31, 'looking at key-frames']] as const) {
+    tellJob(server, 'running', fraction, stage, 'map');
+    await visit.sees(`, ${Math.round(100 * fraction)}%`, '.progress-words');
+  }
+  await visit.sees('Making the map, 31%. Looking for things, about 1 minute left', '.progress-words');
+  const told = (await visit.announced()).filter((one) => one.startsWith('Making the map'));
+  assert.deepEqual(told.map((one) => one.split(',')[1]), [
+    ' 15%. Finding the place of each picture', ' 26%. Finding the place of each picture', ' 30%. Looking for things']);
+  await visit.close();
+}));
+
 test('trying a picture, and what is no picture', options, () => withServer(async (server) => {
   const folder = mkdtempSync(join(tmpdir(), 'roomwise-'));
   try {
