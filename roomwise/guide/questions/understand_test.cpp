@@ -502,6 +502,17 @@ TEST(UnderstandTest, AWordForAThingIsThatOfTheHomeWhoseNameHoldsIt) {
   EXPECT_EQ(asked(), "where_is chair") << "one is called so and no more";
 }
 
+// Every example on the manual's cards is a word of its language, and no slip in another.
+TEST(UnderstandTest, AWordOfTheLanguageIsNoSlipInAnotherThatTheHomeHas) {
+  HomeNames home = some_home();
+  home.things = {"bowl"};
+  const auto in_german = [&](const std::string& text) {
+    return told(understand(text, catalogue().in("de"), home));
+  };
+  EXPECT_EQ(in_german("Wo habe ich meine Schlüssel gelassen?"), "unknown: where_is key");
+  EXPECT_EQ(in_german("Wo ist die Schüsel?"), "did you mean: where_is bowl");
+}
+
 TEST(UnderstandTest, AnUnknownNameIsSaidAsItWasWritten) {
   EXPECT_EQ(told(hear("¿Dónde está el paño?", "es")), "unknown: where_is paño");
   EXPECT_EQ(german("Wo ist bitte das Käsemesser?"), "unknown: where_is Käsemesser");
