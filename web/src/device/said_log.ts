@@ -10,7 +10,8 @@ export class SaidLog {
   // Two regions, so that nothing that was written silently is read when the way of speaking changes.
   private readonly list = h('div', { class: 'said-list', role: 'log', 'aria-live': 'off', 'aria-label': text('said.label'), tabindex: '0' });
   private readonly urgent = h('div', { class: 'urgent', role: 'alert' });
-  readonly element = h('div', { class: 'said' }, this.urgent, this.list);
+  // In a dialog by itself: an alert that stood here while one was open would be read once more when that closes.
+  readonly element = h('div', { class: 'said', 'data-says-in-dialog': '' }, this.urgent, this.list);
   private readonly lines = new WeakMap<QueuedPrompt, HTMLElement>();
 
   // 'aloud': by the screen reader, each line once, hazards at once.

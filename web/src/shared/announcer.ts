@@ -1,5 +1,4 @@
 // Says the result of an action once: shown at the foot of the page, and read politely by a screen reader.
-import { sayInDialog } from './dialog';
 import { h } from './dom';
 import { icon } from './icons';
 import { text } from './texts';
@@ -27,7 +26,6 @@ export class Announcer {
     this.clear();
     this.said.append(h('p', { class: `announcement ${kind}` }, words));
     this.close.hidden = false;
-    sayInDialog(h('p', {}, words), false);
     this.uncoverSoon();
   }
 

@@ -1,5 +1,5 @@
 // A modal dialog with heading and close button. Escape closes it; focus goes back to where it was. While it is open a screen
-// reader reaches nothing else of the page, so it has live regions of its own.
+// reader reaches nothing else of the page, so it has live regions of its own, which say what those behind it are told.
 import { h, newId, replaceChildren, type Child } from './dom';
 import { text } from './texts';
 
@@ -38,6 +38,33 @@ function wayBack(): () => void {
 
 function isShown(element: Element | null): boolean {
   return element !== null && element.getClientRects().length > 0;
+}
+
+// Tells what live regions behind the dialog are told.
+const behind = new MutationObserver((changes) => {
+  const told = new Set<Element>();
+  for (const { target, addedNodes } of changes) {
+    const around = target instanceof Element ? target : target.parentElement;
+    const region = around?.closest('[role=status], [role=alert], [role=log]') ?? null;
+    const isLog = region?.getAttribute('role') === 'log';
+    const isNews = addedNodes.length > 0 || target instanceof Text;
+    if (!region || !isNews || told.has(region) || !isShown(region) || region.getAttribute('aria-live') === 'off') {
+      continue;
+    }
+    if (!isLog) {
+      told.add(region); // as a whole
+    }
+    (isLog ? [...addedNodes] : [region]).forEach((node) => sayFrom(region, node));
+  }
+});
+
+// By the topmost dialog, unless the region is in it or says it there itself.
+function sayFrom(region: Element, node: Node): void {
+  const top = opened[opened.length - 1];
+  const words = (node.textContent ?? '').trim();
+  if (words !== '' && !region.closest('dialog')?.contains(top?.log ?? null) && !region.closest('[data-says-in-dialog]')) {
+    sayInDialog(h('p', {}, words), region.getAttribute('role') === 'alert');
+  }
 }
 
 // Has the line read from the topmost dialog that is open. False where none is: then the page itself is read.
@@ -81,6 +108,9 @@ export function openDialog(title: string, content: readonly Child[], closed: () 
     }
     element.remove();
     opened.splice(opened.indexOf(regions), 1);
+    if (opened.length === 0) {
+      behind.disconnect();
+    }
     goBack();
     closed();
   };
@@ -94,6 +124,7 @@ export function openDialog(title: string, content: readonly Child[], closed: () 
   });
   document.body.append(element);
   opened.push(regions);
+  behind.observe(document.body, { childList: true, characterData: true, subtree: true });
   element.showModal();
   (element.querySelector<HTMLElement>('[autofocus]') ?? element.querySelector<HTMLElement>('h2'))?.focus();
   return { element, close };

@@ -292,6 +292,21 @@ test('a job is one progress, told with what is done now, once for each stage and
   await visit.close();
 }));
 
+test('what a part of the page tells is heard while a dialog is open, too', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#walks');
+  await visit.press('Forget walk');
+  await visit.sees('Forget the walk walk?', 'dialog');
+  tellJob(server, 'running', 0.1, 'mapping', 'map');
+  await heardOnce(visit, 'Making the map, 10%');
+  tellJob(server, 'running', 0.6, 'mapping', 'map');
+  await heardOnce(visit, 'Making the map, 60%');
+  await visit.page.keyboard.press('Escape');
+  tellJob(server, 'done', 1, '', 'map');
+  await heardOnce(visit, 'The map is made.');
+  await visit.close();
+}));
+
 test('trying a picture, and what is no picture', options, () => withServer(async (server) => {
   const folder = mkdtempSync(join(tmpdir(), 'roomwise-'));
   try {
