@@ -258,19 +258,21 @@ std::vector<RoomExtent> find_extents(const FloorGrid& grid, const FreeFloor& flo
   for (const WalkEvidence& one : walks.evidence) {
     extents[static_cast<std::size_t>(one.room)].middle_plan = one.place;
   }
-  const std::vector<double> widths = free_widths(floor);
-  std::vector<double> widest(extents.size(), 0);
-  std::size_t cell = 0;
-  for (int row = 0; row < grid.rows(); ++row) {
-    for (int column = 0; column < grid.columns(); ++column, ++cell) {
-      const std::int16_t room = room_of.at(column, row);
-      if (room < 0 || floor.at(column, row) == 0) continue;
-      const auto index = static_cast<std::size_t>(room);
-      extents[index].floor_m2 += grid.cell_m() * grid.cell_m();
-      if (widths[cell] <= widest[index]) continue;
-      widest[index] = widths[cell];
-      extents[index].middle_plan = grid.cell_middle_m(column, row);
+  for (std::size_t i = 0; i < extents.size(); ++i) {
+    // What lies beyond a border to another room is not free here, nor its own.
+    FreeFloor own(floor.width(), floor.height());
+    for (int row = 0; row < grid.rows(); ++row) {
+      for (int column = 0; column < grid.columns(); ++column) {
+        const bool is_own = room_of.at(column, row) == static_cast<std::int16_t>(i);
+        own.at(column, row) = is_own ? floor.at(column, row) : 0;
+      }
     }
+    const std::vector<double> widths = free_widths(own);
+    const auto free_cells = std::ranges::count_if(widths, [](double width) { return width > 0; });
+    if (free_cells == 0) continue;
+    const auto widest = static_cast<int>(std::ranges::max_element(widths) - widths.begin());
+    extents[i].floor_m2 = static_cast<double>(free_cells) * grid.cell_m() * grid.cell_m();
+    extents[i].middle_plan = grid.cell_middle_m(widest % grid.columns(), widest / grid.columns());
   }
   return extents;
 }

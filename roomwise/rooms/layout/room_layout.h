@@ -64,7 +64,8 @@ struct Doorway {
 struct RoomExtent {
   std::string name;
   double floor_m2 = 0;  // free floor, as far as it was seen or walked on
-  // The place of free floor with the most room around it, m: where to send somebody.
+  // The place of its free floor farthest from walls, furniture and other rooms, m: where to send
+  // somebody.
   Eigen::Vector2d middle_plan = Eigen::Vector2d::Zero();
 };
 

@@ -320,6 +320,22 @@ TEST(RoomLayoutTest, RoomsThatAreOpenToEachOtherMeetHalfwayAndTheWiderTakesNotAl
   EXPECT_THAT(layout->room_at({2, 3.5}), Optional(std::string("dining room")));
 }
 
+TEST(RoomLayoutTest, TheMiddleOfARoomIsFarFromItsOpenBorders) {
+  const std::vector<std::string> open(20, std::string(60, '.'));
+  WalkedPath path;
+  walk_to(path, {0.5, 1}, "bedroom");
+  walk_to(path, {2.9, 1}, "bedroom");
+  walk_to(path, {5.5, 1}, "kitchen");
+  const auto layout = RoomLayout::make(grid_of(open), std::vector<WalkedPath>{path});
+  ASSERT_OK(layout);
+  ASSERT_EQ(layout->rooms().size(), 2U);
+  ASSERT_EQ(layout->doorways().size(), 1U);
+  const double border_m = layout->doorways().front().middle_plan.x();
+  EXPECT_EQ(layout->rooms()[1].name, "kitchen");
+  EXPECT_GT(layout->rooms()[1].middle_plan.x(), border_m + 0.8);
+  EXPECT_LT(layout->rooms()[0].middle_plan.x(), border_m - 0.8);
+}
+
 TEST(RoomLayoutTest, TheBorderOfRoomsThatAreOpenToEachOtherIsNoDoor) {
   WalkedPath path;
   walk_to(path, {1, 2}, "dining room");
