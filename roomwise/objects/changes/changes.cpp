@@ -8,6 +8,7 @@
 
 #include "roomwise/objects/changes/point_votes.h"
 #include "roomwise/objects/instances/world_observation.h"
+#include "roomwise/objects/kinds/kinds.h"
 
 namespace roomwise::objects {
 namespace {
@@ -125,11 +126,19 @@ class ChangeFinder {
     for (InstanceChange& state : changes_.before) {
       if (state.now) continue;
       if (!is_observed(state.evidence)) continue;
-      state.state = differs(state.evidence, options_.min_gone) ? ChangeState::kRemoved
-                    : differs(state.evidence, options_.min_shifted_gone_share)
-                        ? ChangeState::kShifted
-                        : ChangeState::kThere;
+      const PlacedInstance& thing =
+          before_[static_cast<std::size_t>(&state - changes_.before.data())];
+      state.state =
+          differs(state.evidence, options_.min_gone) ? ChangeState::kRemoved
+          : !is_fixed(thing.name) && differs(state.evidence, options_.min_shifted_gone_share)
+              ? ChangeState::kShifted
+              : ChangeState::kThere;
     }
+  }
+  // Nobody pushes a sink.
+  static bool is_fixed(const std::string& name) {
+    const Kind* const kind = find_kind(name);
+    return kind != nullptr && kind->is_fixed;
   }
 
   // Rule 3: what depth did not show before has arrived. Where a thing is still that had another

@@ -108,7 +108,7 @@ struct ChangeOptions {
 //    depth says of both surfaces that much is not where the other walk showed it, and the middles
 //    differ; it is there otherwise.
 // 2. Of the others before, what the visit's depth looks through is gone, what it sees is there, and
-//    what it looks through in part was shifted.
+//    what it looks through in part was shifted, where its kind is not fixed to the house.
 // 3. Of the others now, what the map's depth looks through is new, and so is what stands where a
 //    thing of its name stood in the `past`, which the map's depth shows still. The rest stood there
 //    before without a name.

@@ -191,6 +191,14 @@ TEST_F(ChangesTest, APushOfWhatIsNotFoundAgainIsNoticedToo) {
   EXPECT_EQ(again.before[0].state, ChangeState::kThere);
 }
 
+TEST_F(ChangesTest, WhatIsFixedToTheHouseIsNotPushed) {
+  map_.things = {{"sink", kOldChair.center, kOldChair.size_m}};
+  visit_.things = {moved(map_.things[0], {0.15, 0.1, 0})};
+  look_at_all(map_);
+  visit_.look_around({0, 0.4, 0.4}, 8, 2.3, 0, 6, /*finds=*/false);
+  EXPECT_EQ(state_of(find(), "sink").state, ChangeState::kThere);
+}
+
 TEST_F(ChangesTest, OfTwoThatMovedEachTakesTheNearerPlace) {
   const TestRoom::Thing other = moved(kOldChair, {1.6, -1.0, 0});
   map_.things = {kOldChair, other};
