@@ -1,6 +1,7 @@
 #include "roomwise/live/house.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <exception>
 #include <fstream>
@@ -136,6 +137,8 @@ class House::Resident final : public service::ServedHome {
     return live_.get();
   }
   [[nodiscard]] bool is_open() const { return live() != nullptr; }
+  // When it was last asked for.
+  [[nodiscard]] bool cannot_open() const { return cannot_open_; }
 
   // With House::mutex_ held, which orders them.
   void use() { used_s_ = house_.options_.clock().steady_s; }
@@ -155,12 +158,14 @@ class House::Resident final : public service::ServedHome {
     auto opened = try_to_open();
     if (!opened) {
       house_.free_place();
+      cannot_open_ = true;
       // The words may name files of the computer.
       if (std::exchange(told_, opened.error().message) != opened.error().message) {
         house_.say(name_, "cannot be opened: " + opened.error().message);
       }
       return fail("this home cannot be opened now; the log of the computer says why");
     }
+    cannot_open_ = false;
     const std::scoped_lock lock(mutex_);
     live_ = *std::move(opened);
     return live_.get();
@@ -230,6 +235,7 @@ class House::Resident final : public service::ServedHome {
   double used_s_ = 0;
   std::mutex opening_mutex_;
   std::string told_;
+  std::atomic<bool> cannot_open_ = false;
   std::shared_ptr<const pipeline::Networks> networks_;  // before the home that looks by them
   mutable std::mutex mutex_;                            // of live_
   std::unique_ptr<LiveHome> live_;
@@ -257,7 +263,12 @@ House::House(fs::path folder, const objects::ObjectFinders& finders, HouseOption
   door_ = std::make_shared<Open>(std::move(door));
   std::vector<service::Route> pairing{service::pairing_route(
       [this](const HttpRequest& request, const service::PairingAttempt& attempt) {
-        return redeem(request.base.substr(kHomes.size()), attempt);
+        const std::string home = request.base.substr(kHomes.size());
+        auto paired = redeem(home, attempt);
+        if (paired) {
+          options_.audit({home, paired->who, request.peer, "POST " + std::string(kPair), 200});
+        }
+        return paired;
       })};
   pairing_ = std::make_shared<Open>(std::move(pairing));
   nobodys_door_ = new_door();
@@ -583,6 +594,11 @@ void House::write_metrics(service::MetricsText& text) {
               closed_);
   text.single("homes_elsewhere_total", "counter", "Requests for homes that another process has.",
               refused_);
+  text.family("home_cannot_open", "gauge",
+              "1: the home could not be opened when it was last asked for.");
+  for (const auto& [name, one] : residents_) {
+    text.sample({{"home", name}}, std::uint64_t{one->cannot_open()});
+  }
   for (const auto& [name, one] : residents_) {
     LiveHome* const home = one->live();
     if (home == nullptr) continue;

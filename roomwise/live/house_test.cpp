@@ -433,6 +433,13 @@ TEST_F(HouseTest, AFaultInOneHomeTakesNothingFromTheOthers) {
   EXPECT_EQ(serving->open("flat-1", first), 503) << "it cannot be opened";
   EXPECT_THAT(serving->log(), HasSubstr("flat-1: cannot be opened: internal error, please report "
                                         "it: a fault\n"));
+  const auto metrics = [&] {
+    service::MetricsText text;
+    serving->house->write_metrics(text);
+    return text.text();
+  };
+  EXPECT_THAT(metrics(), HasSubstr("roomwise_home_cannot_open{home=\"flat-1\"} 1\n"
+                                   "roomwise_home_cannot_open{home=\"flat-2\"} 0\n"));
   EXPECT_EQ(serving->open("flat-2", second), 200) << "the one place is free";
   serving->steady_s = serving->steady_s + 700;
   serving->house->tidy();  // nobody has the homes any more
@@ -443,6 +450,7 @@ TEST_F(HouseTest, AFaultInOneHomeTakesNothingFromTheOthers) {
   EXPECT_EQ(ask(), 500) << "nobody waits for ever for one who tried before";
   is_broken = false;
   EXPECT_EQ(serving->open("flat-1", first), 200);
+  EXPECT_THAT(metrics(), HasSubstr("roomwise_home_cannot_open{home=\"flat-1\"} 0\n"));
 }
 
 TEST_F(HouseTest, ClosesWhatNobodyUses) {
@@ -574,6 +582,7 @@ TEST_F(HouseTest, FiguresAndDeedsAreToldByHome) {
   EXPECT_THAT(text.text(), HasSubstr("roomwise_homes_open 2\n"));
   serving->ask("POST", "/homes/flat-2/api/learn", bearer(second), "{}");
   serving->ask("PUT", "/homes/flat-2/api/uploads/a/0", bearer(second), "{}");
+  EXPECT_THAT(serving->acts(), HasSubstr("flat-2: flat-2's device POST /api/pair "));
   EXPECT_THAT(serving->acts(), HasSubstr("flat-2: flat-2's device POST /api/learn "));
   EXPECT_THAT(serving->acts(), Not(HasSubstr("uploads")));
 }
