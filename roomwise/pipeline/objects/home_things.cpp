@@ -1,6 +1,7 @@
 #include "roomwise/pipeline/objects/home_things.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "roomwise/objects/changes/changes.h"
 #include "roomwise/pipeline/objects/thing_history.h"
@@ -10,14 +11,15 @@ namespace {
 
 using objects::PlacedInstance;
 
+// What keeps a change's place and a thing's apart from those of other components, which have worlds
+// of their own.
 constexpr std::uint64_t kApart = std::numeric_limits<std::uint64_t>::max();
 
-bool is_same_picture(const network::PixelBox& a, const network::PixelBox& b) {
+bool is_same_box(const network::PixelBox& a, const network::PixelBox& b) {
   return a.left == b.left && a.top == b.top && a.right == b.right && a.bottom == b.bottom;
 }
 
-// What keeps a change's place and a thing's apart from those of other components, which have worlds
-// of their own.
+// What people changed, laid over what programs found.
 class Overlay {
  public:
   Overlay(const home::Home& home, std::vector<home::Keyframe> keyframes)
@@ -107,6 +109,7 @@ class Overlay {
     const std::size_t at = found.value_or(works_.size() - 1);
     added_[edit.id] = at;
     note_about(edit, at);
+    work.is_there = true;  // also where somebody took it out before
     HomeThing& thing = work.thing;
     if (!found) {
       thing.keyframe_id = *place.keyframe;
@@ -114,7 +117,7 @@ class Overlay {
       thing.added_by_edit = edit.id;
       if (!edit.change.room.empty()) thing.room = edit.change.room;
     }
-    thing.note = edit.change.note;
+    if (!edit.change.note.empty()) thing.note = edit.change.note;
     confirm(thing, edit.change.name);
   }
 
@@ -163,8 +166,7 @@ class Overlay {
     for (std::size_t i = 0; i < works_.size(); ++i) {
       const HomeThing& one = works_[i].thing;
       if (one.added_by_edit == 0 && place.keyframe == one.keyframe_id && one.visit == 0 &&
-          !is_same_picture(place.picture_box, {}) &&
-          is_same_picture(place.picture_box, one.picture_box)) {
+          !is_same_box(place.picture_box, {}) && is_same_box(place.picture_box, one.picture_box)) {
         return std::optional(i);
       }
     }
@@ -260,24 +262,66 @@ class Overlay {
       ROOMWISE_TRY(past_, home_.past_instances());
     }
     Later told;
-    home::VisitId brought_by = 0;
     for (const home::PastInstance& one : *past_) {
-      const bool is_it = brought_by == 0
-                             ? stood_there(one.instance, place, box)
-                             : one.instance.visit == brought_by && one.instance.name == place.name;
-      if (!is_it) continue;
-      if (one.reason == home::PastReason::kRemoved) {
-        told.gone.push_back(one.instance);
-        continue;
+      if (!stood_there(one.instance, place, box)) continue;
+      const home::PastInstance* left = &one;
+      while (left != nullptr && left->reason == home::PastReason::kMoved) {
+        const Arrival arrival = arrival_of(*left);
+        if (arrival.now) return Later{arrival.now, std::move(told.gone)};
+        left = arrival.past;
       }
-      brought_by = one.noticed_by;
-      for (std::size_t i = 0; i < works_.size(); ++i) {
-        const HomeThing& now = works_[i].thing;
-        if (now.visit == brought_by && now.found_as == place.name) told.at = i;
-      }
-      if (told.at) return told;
+      if (left != nullptr) told.gone.push_back(left->instance);
     }
     return told;
+  }
+
+  // What a visit brought: a thing of now, or one that a later visit found moved or gone.
+  struct Arrival {
+    std::optional<std::size_t> now;
+    const home::PastInstance* past = nullptr;
+  };
+  // Of what the visit that found it moved brought of its name: of several the nearest pairs are
+  // one, as objects::find_changes() has it.
+  [[nodiscard]] Arrival arrival_of(const home::PastInstance& moved) const {
+    const auto is_alike = [&](const objects::Instance& one, const std::string& name) {
+      return name == moved.instance.name &&
+             component_of(one.keyframe_id) == component_of(moved.instance.keyframe_id);
+    };
+    std::vector<const objects::Instance*> left, brought;
+    std::vector<Arrival> arrivals;
+    for (std::size_t i = 0; i < works_.size(); ++i) {
+      const HomeThing& one = works_[i].thing;
+      if (one.visit != moved.noticed_by || !is_alike(one, one.found_as)) continue;
+      brought.push_back(&one);
+      arrivals.push_back({i, nullptr});
+    }
+    for (const home::PastInstance& one : *past_) {
+      if (!is_alike(one.instance, one.instance.name)) continue;
+      if (one.instance.visit == moved.noticed_by) {
+        brought.push_back(&one.instance);
+        arrivals.push_back({std::nullopt, &one});
+      }
+      if (one.noticed_by == moved.noticed_by && one.reason == home::PastReason::kMoved) {
+        left.push_back(&one.instance);
+      }
+    }
+    std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
+    for (std::size_t l = 0; l < left.size(); ++l) {
+      for (std::size_t b = 0; b < brought.size(); ++b) {
+        pairs.emplace_back((middle(*left[l]) - middle(*brought[b])).norm(), l, b);
+      }
+    }
+    std::ranges::sort(pairs);
+    std::set<std::size_t> paired, taken;
+    for (const auto& [distance_m, l, b] : pairs) {
+      if (paired.contains(l) || !taken.insert(b).second) continue;
+      if (left[l] == &moved.instance) return arrivals[b];
+      paired.insert(l);
+    }
+    return {};
+  }
+  [[nodiscard]] Eigen::Vector3d middle(const objects::Instance& one) const {
+    return placed(one, {}).box_world.center();
   }
 
   const home::Home& home_;
@@ -296,7 +340,7 @@ std::optional<std::string> HomeThings::name_of_gone(const objects::Instance& one
   for (const GoneThing& said : gone) {
     const bool is_it = said.found.name == one.name && said.found.visit == one.visit &&
                        said.found.keyframe_id == one.keyframe_id &&
-                       is_same_picture(said.found.picture_box, one.picture_box);
+                       is_same_box(said.found.picture_box, one.picture_box);
     if (!is_it) continue;
     name = said.name.empty() ? std::nullopt : std::optional(said.name);
   }

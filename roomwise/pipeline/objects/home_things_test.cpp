@@ -169,6 +169,26 @@ TEST_F(HomeThingsOfWalks, ANameGoesWithAThingThatVisitsFindMovedOrGone) {
   EXPECT_EQ(things().without_effect.at(1), "the walks found it gone");
 }
 
+TEST_F(HomeThingsOfWalks, OfTwoAlikeThatAVisitFindsMovedEachKeepsItsName) {
+  walk(kBox);
+  const auto at = [](objects::Instance one, double x_m) {
+    one.picture_box = {};
+    one.box_keyframe.world_from_box.translation.x() += x_m;
+    return one;
+  };
+  objects::Instance one = home_->instances()->front();
+  const objects::Instance other = at(one, 3);
+  ASSERT_OK(home_->replace_instances(std::vector{one, other}));
+  ASSERT_OK(rename_thing(*home_, kAnna, things().things[0], "Anna's"));
+  ASSERT_OK(rename_thing(*home_, kAnna, things().things[1], "Tom's"));
+  home::HomeChanges changes;
+  changes.visit = {"visit", "made up", 1, 2, 9, 9};
+  changes.past = {{one, home::PastReason::kMoved, 0, 1}, {other, home::PastReason::kMoved, 0, 1}};
+  changes.arrived = {at(one, 6), at(other, 1), at(one, 0.8)};  // and a new one far off
+  ASSERT_OK(home_->apply_changes(changes));
+  EXPECT_THAT(names(), ElementsAre("sofa", "Tom's", "Anna's"));
+}
+
 TEST_F(HomeThingsOfWalks, WhatIsNotThereStaysAwayWhenAWalkSeesItAgain) {
   walk(kBox);
   ASSERT_OK(remove_thing(*home_, kAnna, thing()));
@@ -269,6 +289,17 @@ TEST_F(HomeThingsOfWalks, WhatSomebodyAddedIsOneWithWhatALaterWalkFindsThere) {
   ASSERT_THAT(names(), ElementsAre("sofa")) << "not twice";
   EXPECT_EQ(thing().note, "new cover");
   EXPECT_EQ(thing().added_by_edit, 0) << "a picture shows it now";
+}
+
+TEST_F(HomeThingsOfWalks, WhatSomebodyTookOutAndAddsAgainIsThereAgain) {
+  walk(kBox);
+  const Eigen::Vector3d there = middle(thing());
+  ASSERT_OK(note_thing(*home_, kAnna, thing(), "soft"));
+  ASSERT_OK(remove_thing(*home_, kAnna, thing()));
+  ASSERT_OK(add_thing(*home_, kAnna, "sofa", {there, ""}));
+  ASSERT_THAT(names(), ElementsAre("sofa"));
+  EXPECT_TRUE(thing().is_confirmed);
+  EXPECT_EQ(thing().note, "soft") << "who adds without a note takes none away";
 }
 
 TEST_F(HomeThingsOfWalks, WhatSomebodyMovedStaysThereAndIsOneWithWhatALaterWalkFindsThere) {
