@@ -89,6 +89,20 @@ class RoomEdits : public ::testing::Test {
     return layout.room_at({x, y}).value_or("");
   }
   [[nodiscard]] std::string digest() const { return home_->content_digest().value(); }
+  // Rooms learned from made-up numbers.
+  void learn(const std::string& network, const std::string& other,
+             const std::string& report = "{}") {
+    std::vector<rooms::RoomSample> samples;
+    for (std::uint64_t i = 0; i < 40; ++i) {
+      const float small = 0.1F * static_cast<float>(i % 5);
+      samples.push_back({{9, small, 1}, "kitchen", 1, i / 10});
+      samples.push_back({{small, 9, 1}, other, 1, i / 10});
+    }
+    const auto learned = rooms::learn_rooms(samples, {network, network});
+    ASSERT_OK(learned);
+    ASSERT_OK(
+        home_->put_room_classifier({network, network, learned->classifier.to_bytes(), report}));
+  }
   // The newest change taken back.
   void undo() { ASSERT_OK(undo_edit(*home_, home_->edits()->back().id)); }
 
@@ -277,6 +291,22 @@ TEST_F(RoomEdits, UndoingAJoinBringsBackWhatWasSaidOfBothRooms) {
   ASSERT_OK(join_rooms(*home_, kAnna, "kitchen", "bedroom"));
   undo();
   EXPECT_THAT(object_claims(*home_).value(), ::testing::UnorderedElementsAreArray(said));
+}
+
+TEST_F(RoomEdits, WhatSomebodySaidOfAnotherRoomMeanwhileHoldsWhenARoomComesBack) {
+  ASSERT_OK(store_object_claims(*home_, std::vector<rooms::ObjectClaim>{{"pan", "bedroom", true}}));
+  ASSERT_OK(remove_room(*home_, kAnna, "bedroom"));
+  const std::vector<rooms::ObjectClaim> said{{"pan", "kitchen", true}};
+  ASSERT_OK(store_object_claims(*home_, said));
+  undo();
+  EXPECT_EQ(object_claims(*home_).value(), said) << "a pan tells of one room";
+}
+
+TEST_F(RoomEdits, WhatIsToldOfLearningGoesByTheNewName) {
+  learn("net", "bedroom", R"({"rooms":[{"room":"kitchen","pictures":40},{"room":"bedroom"}]})");
+  const auto told = [&] { return home_->room_classifier().value()->report_json; };
+  ASSERT_OK(rename_room(*home_, kAnna, "kitchen", "galley"));
+  EXPECT_EQ(told(), R"({"rooms":[{"room":"galley","pictures":40},{"room":"bedroom"}]})");
 }
 
 TEST_F(RoomEdits, WhatRoomsWereLearnedFromIsKnownByItsFrames) {

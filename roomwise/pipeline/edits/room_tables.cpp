@@ -96,8 +96,13 @@ Expected<void> restore_claims(home::Home& home, const Json& changed) {
     });
   }
   for (const Json& one : changed.at("removed")) {
-    claims.push_back({one.at("object").get<std::string>(), one.at("room").get<std::string>(),
-                      one.at("represents").get<bool>()});
+    rooms::ObjectClaim claim{one.at("object").get<std::string>(), one.at("room").get<std::string>(),
+                             one.at("represents").get<bool>()};
+    // An object represents one room at most: what somebody said of it meanwhile holds.
+    const bool is_said_otherwise = std::ranges::any_of(claims, [&](const auto& known) {
+      return claim.represents && known.represents && known.object == claim.object;
+    });
+    if (!is_said_otherwise) claims.push_back(std::move(claim));
   }
   return store_object_claims(home, claims);
 }
@@ -111,6 +116,13 @@ Expected<void> rename_in_classifier(home::Home& home, const std::string& name,
   if (!classifier) return home.forget_learned_rooms();
   std::vector<std::string> rooms = classifier->rooms();
   std::ranges::replace(rooms, name, new_name);
+  Json report = Json::parse(record->report_json, nullptr, false);
+  if (report.is_object() && report.contains("rooms")) {
+    for (Json& room : report["rooms"]) {
+      if (room.is_object() && room.value("room", "") == name) room["room"] = new_name;
+    }
+    record->report_json = report.dump();
+  }
   record->classifier = rooms::RoomClassifier(classifier->network(), rooms, classifier->regression(),
                                              classifier->retrieval())
                            .to_bytes();
