@@ -206,9 +206,9 @@ TEST_F(HomeCommandsTest, WhereSomebodyLivesIsNobodysBusiness) {
   EXPECT_EQ(result_of({"info", path("told")}).at("left_out"), all);
   EXPECT_EQ(result_of({"record", "--source", path("told"), "-o", path("told-copy")}).at("left_out"),
             all);
-  EXPECT_EQ(
-      image::testing::secrets_in(read_file(path("told-copy/rgb/") + first_file("told-copy/rgb")).value()),
-      "");
+  EXPECT_EQ(image::testing::secrets_in(
+                read_file(path("told-copy/rgb/") + first_file("told-copy/rgb")).value()),
+            "");
   EXPECT_FALSE(result_of({"info", path("told-copy")}).contains("left_out"));
   const ProgramResult told = run_roomwise({"info", path("told")});
   EXPECT_THAT(told.output,
@@ -459,7 +459,12 @@ TEST_F(HomeCommandsTest, AFurtherWalkJoinsTheMapAndCanBeTakenOut) {
   EXPECT_THAT(error_of({"forget", "sunday", "--home", home}),
               HasSubstr("give one of walk (#1), later (#2)"));
   // As the commands call it that tell of two walks of one name.
+  const auto floor_made_from = [&] {
+    return home::Home::open(home)->derived_data("floor").value()->made_from;
+  };
+  const std::string of_both = floor_made_from();
   const json left = result_of({"forget", "walk (#1)", "--home", home});
+  EXPECT_NE(floor_made_from(), of_both) << "no later command has to find it anew";
   EXPECT_EQ(left.at("walks"), 1);
   EXPECT_EQ(result_of({"info", home, "--verify"}).at("recordings")[0].at("name"), "later");
 }

@@ -14,7 +14,6 @@ namespace {
 constexpr int kDone = 0;
 constexpr int kFailed = 1;
 constexpr int kUsage = 2;
-constexpr std::size_t kMaxThreads = 1024;
 
 // "roomwise rooms learn": the command that the user had reached when reading stopped.
 std::string reached_command(const CLI::App& app) {

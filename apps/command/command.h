@@ -19,6 +19,8 @@ namespace roomwise::app {
 // Keeps its members in the order of writing, so that output reads as it was meant.
 using Json = nlohmann::ordered_json;
 
+inline constexpr std::size_t kMaxThreads = 1024;
+
 // What a command found, in both forms: lines for people, and JSON for machines (--json). The frame
 // prints one of them on standard output; nothing else is ever written there.
 struct Answer {

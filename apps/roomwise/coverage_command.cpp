@@ -160,7 +160,20 @@ Expected<Answer> cover(const CoverageCommandOptions& options, Context& context) 
   const pipeline::CoverageOptions how;
   ROOMWISE_TRY(const RoomCoverage coverage, pipeline::find_room_coverage(home, how, run));
   ROOMWISE_TRY(const WalkWords walks, WalkWords::of(home));
-  return answer_of(coverage, how, walks, home.is_locked());
+  Answer answer = answer_of(coverage, how, walks, home.is_locked());
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  answer.json["unfinished"] = Json::array();
+  for (const home::StoredRecording& one : recordings) {
+    if (one.finished) continue;
+    answer.json["unfinished"].push_back(walks.name(one.id));
+    answer.text =
+        fmt::format(
+            "the walk {} was not mapped to its end: go on with roomwise map {} --home {} "
+            "--resume\n",
+            walks.name(one.id), shell_word(one.recording.folder), shell_word(home.file())) +
+        answer.text;
+  }
+  return answer;
 }
 
 }  // namespace

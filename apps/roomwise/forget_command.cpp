@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "command_run.h"
 #include "commands.h"
 #include "open_home.h"
 #include "roomwise/pipeline/edits/walk_edits.h"
+#include "roomwise/pipeline/mapping/home_floor.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 
 namespace roomwise::app {
@@ -26,6 +28,14 @@ Expected<Answer> forget(const ForgetOptions& options, Context& context) {
   ROOMWISE_RETURN_IF_ERROR(pipeline::forget_walk(home, walk));
   ROOMWISE_RETURN_IF_ERROR(home.erase_removed());
   ROOMWISE_TRY(const auto left, home.keyframes());
+  if (!left.empty() && !home.is_locked()) {
+    // The walk is gone whatever comes of this.
+    CommandRun run(context);
+    if (const auto kept = pipeline::keep_home_floor(home, run); !kept) {
+      context.progress.note(
+          fmt::format("the floor is found when it is asked for: {}", kept.error().message));
+    }
+  }
   return Answer{
       fmt::format(
           "{}: {} is forgotten, its pictures are erased; {} key-frames of {} walks are left{}\n",

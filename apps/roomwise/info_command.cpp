@@ -208,7 +208,7 @@ Expected<Answer> describe_recording(const fs::path& path) {
     facts.add("notes", fmt::format("{}", fmt::join(recording->notes(), "; ")));
   }
   add_damage(*recording, facts);
-  add_left_out(recording->info().left_out, facts);
+  add_left_out(recording->info().personal_data, facts);
   ROOMWISE_RETURN_IF_ERROR(add_rooms_and_truth(path, facts));
   return std::move(facts).answer();
 }

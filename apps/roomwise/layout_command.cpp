@@ -176,10 +176,11 @@ Expected<Answer> lay_out(const LayoutOptions& options, Context& context) {
 }  // namespace
 
 void add_layout_command(CLI::App& group, Context& context) {
-  const auto [command, options] = add_command<LayoutOptions>(
-      group, context, "layout",
-      "Where the named rooms lie on the floor, how large they are, and which opens to which",
-      "roomwise rooms layout --home my.home --plan plan.svg", lay_out);
+  const auto [command, options] =
+      add_command<LayoutOptions>(group, context, "layout",
+                                 "Where the named rooms lie on the floor, how much free floor they "
+                                 "have, and which opens to which",
+                                 "roomwise rooms layout --home my.home --plan plan.svg", lay_out);
   command->add_option("--home", options.home, "Home file with a map and named rooms")->required();
   command->add_option("--plan", options.plan, "SVG file to draw the plan to");
 }

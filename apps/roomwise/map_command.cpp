@@ -21,6 +21,7 @@
 #include "roomwise/recording/damage_tolerant_source.h"
 #include "roomwise/recording/open_recording.h"
 #include "skip_damaged.h"
+#include "thing_places.h"
 
 namespace roomwise::app {
 namespace {
@@ -185,12 +186,17 @@ std::string to_text(const pipeline::MapSummary& summary, const std::vector<std::
 }
 
 // What the walk changed of what the walks before it had shown.
-Expected<void> add_changes(const home::Home& home, Answer& answer) {
+Expected<void> add_changes(const home::Home& home, Context& context, Answer& answer) {
   answer.json["changes"] = Json::array();
   ROOMWISE_TRY(const auto recordings, home.recordings());
   if (recordings.size() < 2) return {};
-  ROOMWISE_TRY(const HistoryWords words, HistoryWords::of(home));
+  ROOMWISE_TRY(HistoryWords words, HistoryWords::of(home));
   const home::RecordingId walk = recordings.back().id;
+  ROOMWISE_TRY(ThingPlaces places, ThingPlaces::read(home));
+  if (!words.history().changes_by(walk).empty()) {
+    ROOMWISE_RETURN_IF_ERROR(places.find_layout(home, context));
+  }
+  words.place_by([&](const pipeline::HomeThing& thing) { return places.room_of(thing); });
   answer.json["changes"] = words.changes_json(walk);
   const char* label = "changed    ";
   for (const std::string& one : words.changes(walk)) {
@@ -288,7 +294,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   for (const auto& [id, finder] : stored_finders) detectors.push_back(finder.name);
   std::vector<std::string> lost;
   for (const auto& [id, why] : run.lost->all()) lost.push_back(why);
-  const image::PersonalData& left_out = source->info().left_out;
+  const image::PersonalData& left_out = source->info().personal_data;
   answer.text = to_text(summary, names, detectors) +
                 focal_length_text(summary, source->info().camera) +
                 (left_out.any() ? "left out    " + left_out_text(left_out) + "\n" : "") +
@@ -327,7 +333,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
                  {"instances", summary.instances},
                  {"left_out", left_out_json(left_out)},
                  {"home", options.home.string()}};
-  ROOMWISE_RETURN_IF_ERROR(add_changes(home, answer));
+  ROOMWISE_RETURN_IF_ERROR(add_changes(home, context, answer));
   if (options.skip_damaged) {
     answer.json["damaged"] = frames.damage();
     answer.json["lost_pictures"] = lost;

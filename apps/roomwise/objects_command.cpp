@@ -16,10 +16,10 @@
 #include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/pipeline/objects/keyframe_observer.h"
 #include "roomwise/pipeline/objects/proposal_detection.h"
-#include "roomwise/pipeline/rooms/home_layout.h"
 #include "roomwise/pipeline/stored/map_settings.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"
+#include "thing_places.h"
 
 namespace roomwise::app {
 namespace {
@@ -29,53 +29,6 @@ struct ObjectsOptions {
   std::string rule = "regions";
   bool past = false;
   NetworkOptions networks;
-};
-
-// What the home says about where its things stand.
-struct Places {
-  std::map<home::KeyframeId, home::Keyframe> keyframes;
-  std::map<home::KeyframeId, std::vector<rooms::RoomScore>> rooms;
-  pipeline::KeyframeRooms named_rooms;
-  std::optional<pipeline::HomeLayout> layout;  // where the rooms lie, where that is known
-
-  static Expected<Places> read(const home::Home& home) {
-    Places places;
-    ROOMWISE_TRY(places.named_rooms, pipeline::rooms_of_keyframes(home));
-    ROOMWISE_TRY(const std::vector<home::Keyframe> keyframes, home.keyframes());
-    for (const home::Keyframe& keyframe : keyframes) places.keyframes[keyframe.id] = keyframe;
-    ROOMWISE_TRY(places.rooms, home.keyframe_rooms());
-    return places;
-  }
-  // A home whose pictures are protected may not tell it; its things are told all the same.
-  Expected<void> find_layout(const home::Home& home, Context& context) {
-    CommandRun run(context);
-    auto found = pipeline::find_home_layout(home, run);
-    if (found) {
-      layout = *std::move(found);
-    } else if (found.error().code == ErrorCode::kInterrupted) {
-      return Unexpected(std::move(found).error());
-    } else {
-      context.progress.note(
-          fmt::format("rooms are those from which things were seen: {}", found.error().message));
-    }
-    return {};
-  }
-  // Empty: not known.
-  [[nodiscard]] std::string room_of(home::KeyframeId keyframe) const {
-    const auto room = rooms.find(keyframe);
-    return room == rooms.end() || room->second.empty() ? "" : room->second.front().room;
-  }
-  // That it stands in, as exports have it; else that from which it is seen best.
-  [[nodiscard]] std::string room_of(const pipeline::HomeThing& thing) const {
-    const home::Keyframe& keyframe = keyframes.at(thing.keyframe_id);
-    std::optional<Eigen::Vector3d> middle;
-    if (layout && keyframe.pose.component == 0) {
-      middle = layout->frame.on_plan(thing.box_world(keyframe.pose.world_from_keyframe).center());
-    }
-    return pipeline::room_of_thing(middle, keyframe.id, layout ? &layout->layout : nullptr,
-                                   named_rooms, thing.room)
-        .value_or(room_of(keyframe.id));
-  }
 };
 
 // What stands over the columns of things, as wide as their longest words.
@@ -88,7 +41,7 @@ struct Columns {
   }
 };
 
-void add(Answer& answer, const objects::ConfirmedObject& object, const Places& places) {
+void add(Answer& answer, const objects::ConfirmedObject& object, const ThingPlaces& places) {
   const home::Keyframe& keyframe = places.keyframes.at(object.keyframe_id);
   const std::string room = places.room_of(object.keyframe_id);
   std::optional<Eigen::Vector3d> position;
@@ -123,7 +76,7 @@ Json seen_json(const objects::Instance& instance, const HistoryWords& words) {
           {"walks", words.events_json(*history)}};
 }
 
-void add(Answer& answer, const pipeline::HomeThing& instance, const Places& places,
+void add(Answer& answer, const pipeline::HomeThing& instance, const ThingPlaces& places,
          const HistoryWords& words, const Columns& columns) {
   const home::Keyframe& keyframe = places.keyframes.at(instance.keyframe_id);
   const std::string room = places.room_of(instance);
@@ -160,7 +113,7 @@ void add(Answer& answer, const pipeline::HomeThing& instance, const Places& plac
 }
 
 Expected<Answer> list_found(const home::Home& home, const std::string& rule, Context& context) {
-  ROOMWISE_TRY(Places places, Places::read(home));
+  ROOMWISE_TRY(ThingPlaces places, ThingPlaces::read(home));
   Answer answer;
   answer.json = {{"rule", rule}, {"objects", Json::array()}};
   if (rule == "paper") {
@@ -189,7 +142,7 @@ Expected<Answer> list_found(const home::Home& home, const std::string& rule, Con
 }
 
 void add(Answer& answer, const home::PastInstance& past, const home::Visit& noticed_by,
-         const Places& places) {
+         const ThingPlaces& places) {
   const objects::Instance& thing = past.instance;
   const home::Keyframe& keyframe = places.keyframes.at(thing.keyframe_id);
   const std::string room = places.room_of(thing.keyframe_id);
@@ -212,7 +165,7 @@ void add(Answer& answer, const home::PastInstance& past, const home::Visit& noti
 
 // The same of what a walk that joined the map found gone.
 void add(Answer& answer, const pipeline::ThingHistory& gone, const HistoryWords& words,
-         const Places& places) {
+         const ThingPlaces& places) {
   const objects::Instance& thing = gone.thing;
   const home::Keyframe& keyframe = places.keyframes.at(thing.keyframe_id);
   const std::string room = words.room(gone);
@@ -236,7 +189,7 @@ void add(Answer& answer, const pipeline::ThingHistory& gone, const HistoryWords&
 
 // What stands there no more, in the order in which that was noticed, and the visits.
 Expected<Answer> list_past(const home::Home& home, Context& context) {
-  ROOMWISE_TRY(Places places, Places::read(home));
+  ROOMWISE_TRY(ThingPlaces places, ThingPlaces::read(home));
   ROOMWISE_TRY(const auto visits, home.visits());
   ROOMWISE_TRY(const auto past, home.past_instances());
   ROOMWISE_TRY(HistoryWords words, HistoryWords::of(home));
@@ -292,7 +245,8 @@ void add(Answer& answer, const pipeline::ThingHistory& one, const HistoryWords& 
 
 // One that a visit brought (update), or somebody by hand.
 void add_without_history(Answer& answer, const pipeline::HomeThing& one,
-                         const std::map<home::VisitId, home::Visit>& visits, const Places& places) {
+                         const std::map<home::VisitId, home::Visit>& visits,
+                         const ThingPlaces& places) {
   const std::string room = places.room_of(one);
   const std::string visit = one.visit != 0 ? visits.at(one.visit).name : "";
   answer.text += fmt::format("{}{}: {}\n", one.name, room.empty() ? "" : ", " + room,
@@ -323,7 +277,7 @@ std::string newest_changes(const HistoryWords& words) {
 Expected<Answer> tell_history(const ObjectHistoryOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(HistoryWords words, HistoryWords::of(home));
-  ROOMWISE_TRY(Places places, Places::read(home));
+  ROOMWISE_TRY(ThingPlaces places, ThingPlaces::read(home));
   ROOMWISE_RETURN_IF_ERROR(places.find_layout(home, context));
   words.place_by([&](const pipeline::HomeThing& thing) { return places.room_of(thing); });
   ROOMWISE_TRY(const auto visits, home.visits());
@@ -397,7 +351,7 @@ Expected<Answer> find_word(const FindWordOptions& options, Context& context) {
                pipeline::word_places(home, *networks, run,
                                      home.is_protected() ? pipeline::KeepWordPlaces() : keep));
   const pipeline::FoundWord found = pipeline::find_word(looked_at, word);
-  ROOMWISE_TRY(const Places places, Places::read(home));
+  ROOMWISE_TRY(const ThingPlaces places, ThingPlaces::read(home));
   const home::Keyframe& keyframe = places.keyframes.at(found.place.keyframe);
   const std::string room = places.room_of(keyframe.id);
   const network::PixelBox& box = found.place.box;

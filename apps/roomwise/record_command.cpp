@@ -162,7 +162,7 @@ Expected<Answer> run(const RecordOptions& options, Context& context) {
   ROOMWISE_RETURN_IF_ERROR(copy_ground_truth(*source, options));
 
   const std::uint64_t lost = source->info().lost_frames;
-  const image::PersonalData& left_out = source->info().left_out;
+  const image::PersonalData& left_out = source->info().personal_data;
   return Answer{fmt::format("recorded {} frames from {} to {}{}\n{}", writer->frames_written(),
                             source->info().name, options.output.string(),
                             lost == 0 ? "" : fmt::format("; {} more were lost on the way", lost),
