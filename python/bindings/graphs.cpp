@@ -82,6 +82,16 @@ PoseGraph graph_of(const py::object& world_from_node, const py::object& edges,
     if (ends.at(i, 0) < 0 || ends.at(i, 1) < 0) {
       throw py::value_error(fmt::format("edges[{}] names a node below 0", i));
     }
+    for (const py::ssize_t end : {0, 1}) {
+      if (!graph.graph.world_from_node.contains(static_cast<mapping::NodeId>(ends.at(i, end)))) {
+        throw py::value_error(
+            fmt::format("edges[{}] names node {}, which is not there", i, ends.at(i, end)));
+      }
+    }
+    if (ends.at(i, 0) == ends.at(i, 1)) {
+      throw py::value_error(
+          fmt::format("edges[{}] leads from node {} to itself", i, ends.at(i, 0)));
+    }
     graph.graph.edges.push_back({static_cast<mapping::NodeId>(ends.at(i, 0)),
                                  static_cast<mapping::NodeId>(ends.at(i, 1)), measured[place],
                                  omegas[place], loops[place]});

@@ -2,6 +2,7 @@
 
 #include <pybind11/stl.h>
 
+#include "command.h"
 #include "networks.h"
 #include "open_home.h"
 #include "python/bindings/arrays.h"
@@ -15,6 +16,7 @@
 #include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/map_settings.h"
 #include "roomwise/pipeline/stored/stored_map.h"
+#include "roomwise/pipeline/stored/stored_rooms.h"
 
 namespace roomwise::python {
 namespace {
@@ -92,14 +94,18 @@ std::vector<HomeObject> objects_of(const OpenHome& self) {
   for (const home::Keyframe& keyframe : value_of(self.home.keyframes())) {
     poses[keyframe.id] = keyframe.pose;
   }
-  const auto rooms = value_of(self.home.keyframe_rooms());
+  const auto learned_rooms = value_of(self.home.keyframe_rooms());
+  const auto named_rooms = value_of(pipeline::rooms_of_keyframes(self.home));
   std::vector<HomeObject> objects;
   for (pipeline::HomeThing& instance : value_of(pipeline::find_home_things(self.home)).things) {
-    const auto room = rooms.find(instance.keyframe_id);
-    const bool is_known = room != rooms.end() && !room->second.empty();
+    auto room = pipeline::room_of_thing(std::nullopt, instance.keyframe_id, nullptr, named_rooms,
+                                        instance.room);
+    const auto learned = learned_rooms.find(instance.keyframe_id);
+    if (!room && learned != learned_rooms.end() && !learned->second.empty()) {
+      room = learned->second.front().room;
+    }
     const home::KeyframePose pose = poses.at(instance.keyframe_id);
-    objects.push_back({std::move(instance), pose,
-                       is_known ? std::optional(room->second.front().room) : std::nullopt});
+    objects.push_back({std::move(instance), pose, std::move(room)});
   }
   return objects;
 }
@@ -242,8 +248,11 @@ void bind_object(py::module_& module) {
           "Key-frames that should have")
       .def_property_readonly("component",
                              [](const HomeObject& self) { return self.pose.component; })
-      .def_readonly("room", &HomeObject::room,
-                    "In which its key-frame was taken as the learned rooms say, or None")
+      .def_readonly(
+          "room", &HomeObject::room,
+          "That somebody put it in; else in which its key-frame was taken, by the names of its "
+          "walk, else as the learned rooms say; or None. On whose floor it stands tells "
+          "`roomwise export json`")
       .def("__repr__", [](const HomeObject& self) {
         return fmt::format("<roomwise.HomeObject {} {:.2f}>", self.instance.name,
                            self.instance.probability);
@@ -349,8 +358,9 @@ Expected<pipeline::Networks> ChosenNetworks::load(const home::Home& home, bool a
 }
 
 std::size_t thread_count(int threads) {
-  if (threads < 0) {
-    throw py::value_error(fmt::format("threads = {} must be 1 or more, or 0 for all", threads));
+  if (threads < 0 || threads > static_cast<int>(app::kMaxThreads)) {
+    throw py::value_error(
+        fmt::format("threads = {} must be 1 to {}, or 0 for all", threads, app::kMaxThreads));
   }
   return threads == 0 ? ThreadPool::default_size() : static_cast<std::size_t>(threads);
 }

@@ -56,7 +56,8 @@ SharedRecording read_recording(const py::object& path, const py::object& camera,
   recording::RecordingOptions options;
   options.camera = camera_of(camera);
   if (!(tolerance_s > 0 && tolerance_s < 1e6)) {
-    throw py::value_error(fmt::format("tolerance_s = {} must be positive", tolerance_s));
+    throw py::value_error(
+        fmt::format("tolerance_s = {} must be above 0 and below 1e6", tolerance_s));
   }
   options.tolerance_ns = static_cast<TimestampNs>(std::llround(tolerance_s * 1e9));
   const std::filesystem::path file = path_of(path, "path");

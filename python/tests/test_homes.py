@@ -204,6 +204,10 @@ class Homes(unittest.TestCase):
         gc.collect()
         self.assertEqual(answer.rooms[0][0], "hall")
 
+    def test_more_threads_than_a_process_can_have_are_refused(self):
+        with self.assertRaisesRegex(ValueError, "threads = 100000 must be 1 to 1024"):
+            self.home.cloud(threads=100_000)
+
     def test_other_threads_of_python_go_on_during_long_work(self):
         done = threading.Event()
         other = threading.Thread(target=done.set)

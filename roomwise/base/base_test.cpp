@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
@@ -199,6 +200,21 @@ TEST(ThreadPool, DoesEverythingOnce) {
     EXPECT_TRUE(std::ranges::all_of(done, [](int n) { return n == 1; }));
     EXPECT_EQ(pool.submit([] { return 42; }).get(), 42);
   }
+}
+
+TEST(ThreadPool, DoesAllByTheThreadsThatTheSystemGives) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers take more memory than is left here";
+#endif
+  const auto run_in_little = [] {
+    const rlimit little{rlim_t{1} << 30U, rlim_t{1} << 30U};  // of 1,000 stacks of 8 MB
+    if (setrlimit(RLIMIT_AS, &little) != 0) std::_Exit(2);
+    ThreadPool pool(1000);
+    std::atomic<int> done = 0;
+    pool.parallel_for(50, [&](std::size_t) { ++done; });
+    std::_Exit(done == 50 && pool.size() < 1000 ? 0 : 1);
+  };
+  EXPECT_EXIT(run_in_little(), ::testing::ExitedWithCode(0), "");
 }
 
 TEST(ThreadPool, CarriesExceptionsToTheCallerAfterAllWorkIsDone) {

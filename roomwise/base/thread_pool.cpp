@@ -1,13 +1,18 @@
 #include "roomwise/base/thread_pool.h"
 
 #include <algorithm>
+#include <system_error>
 
 namespace roomwise {
 
 ThreadPool::ThreadPool(std::size_t threads) {
-  workers_.reserve(std::max<std::size_t>(1, threads));
-  for (std::size_t i = 0; i < std::max<std::size_t>(1, threads); ++i) {
-    workers_.emplace_back([this] { work(); });
+  const std::size_t asked = std::max<std::size_t>(1, threads);
+  workers_.reserve(asked);
+  try {
+    while (workers_.size() < asked) workers_.emplace_back([this] { work(); });
+  } catch (const std::system_error&) {
+    // The system gives no more: those that there are do the work.
+    if (workers_.empty()) throw;
   }
 }
 
