@@ -9,7 +9,7 @@ namespace roomwise::app {
 // The words of a --case of fit-instances and fit-localizer, between commas; those that begin with
 // source= apart.
 struct CaseWords {
-  std::vector<std::string> others;
+  std::vector<std::string> positional;
   std::set<std::string> sources;
 };
 [[nodiscard]] inline CaseWords split_case(const std::string& text) {
@@ -21,7 +21,7 @@ struct CaseWords {
     if (word.starts_with(kSource)) {
       words.sources.insert(word.substr(kSource.size()));
     } else {
-      words.others.push_back(std::move(word));
+      words.positional.push_back(std::move(word));
     }
   }
   return words;

@@ -21,14 +21,14 @@ struct FitInstancesOptions {
 
 Expected<trials::FittingCase> read_case(const std::string& text, const Context& context) {
   const CaseWords words = split_case(text);
-  if (words.others.size() != 2 || words.sources.size() > 1) {
+  if (words.positional.size() != 2 || words.sources.size() > 1) {
     return fail(
         "--case {}: expected HOME,TRUTH or HOME,TRUTH,source=NAME; TRUTH is the folder of a "
         "simulated recording or the file of what people labelled in a real one",
         text);
   }
-  ROOMWISE_TRY(const home::Home home, open_home_read_only(words.others[0], context));
-  ROOMWISE_TRY(auto one, trials::fitting_case(home, {words.others[1], {}}));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(words.positional[0], context));
+  ROOMWISE_TRY(auto one, trials::fitting_case(home, {words.positional[1], {}}));
   if (!words.sources.empty()) one.source = *words.sources.begin();
   return one;
 }
@@ -46,6 +46,7 @@ Json json_of(const evaluation::ObjectCounts& counts) {
 
 // A line a candidate: its case, its class, what it was and its evidence.
 Expected<void> write_evidence(const fs::path& path, std::span<const trials::FittingCase> cases) {
+  // In the order of trials::CandidateTruth; unasked: a thing that need not be found.
   constexpr std::array kTruths{"thing", "unasked", "duplicate", "nothing"};
   std::string lines;
   for (const trials::FittingCase& one : cases) {

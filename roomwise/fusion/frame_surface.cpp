@@ -145,7 +145,8 @@ FrameSurfaceMaker::FrameSurfaceMaker(const geometry::PinholeCamera& camera,
                                      const SurfaceOptions& options)
     : camera_(camera),
       options_(options),
-      real_from_ideal_(std::make_shared<const PixelTable>(make_pixel_table(camera))) {
+      distorted_index_of_undistorted_(
+          std::make_shared<const PixelTable>(make_pixel_table(camera))) {
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       rays_.emplace_back(camera.unproject({x, y}, 1.0).head<2>().cast<float>());
@@ -189,7 +190,8 @@ FrameSurface FrameSurfaceMaker::make(const image::DepthImage& depth) const {
   const InverseDepth nearest = largest_about(largest_about(inverse, kOutlineReach_px, true),
                                              kOutlineReach_px, /*along_x=*/false);
 
-  FrameSurface frame{camera_, real_from_ideal_, {camera_.width, camera_.height}, options_};
+  FrameSurface frame{
+      camera_, distorted_index_of_undistorted_, {camera_.width, camera_.height}, options_};
   const float max_second_difference = second_difference_threshold(options_);
   const auto min_inverse = static_cast<float>(1 / options_.farthest_m);
   for (int y = 0; y < camera_.height; ++y) {

@@ -90,7 +90,7 @@ class FrameSurfaceMaker {
   geometry::PinholeCamera camera_;
   SurfaceOptions options_;
   std::vector<Eigen::Vector2f> rays_;  // of the real pixels, on the plane z = 1
-  std::shared_ptr<const PixelTable> real_from_ideal_;
+  std::shared_ptr<const PixelTable> distorted_index_of_undistorted_;
 };
 
 }  // namespace roomwise::fusion

@@ -18,7 +18,7 @@ struct SourceInfo {
   // Of a live camera, so far: what came damaged, or came while nobody took it.
   std::uint64_t lost_frames = 0;
   // What the source says that is nobody's business. It is in no frame.
-  image::PersonalData left_out = {};
+  image::PersonalData personal_data = {};
 };
 
 // Where RGB-D frames come from: a recording, a live camera, the network, a simulated home. Frames

@@ -158,7 +158,7 @@ Expected<std::unique_ptr<TumRecording>> TumRecording::open(const std::filesystem
   contents.kind = "TUM folder";
   contents.info.name = recording_name(folder);
   contents.info.camera = camera;
-  contents.info.left_out =
+  contents.info.personal_data =
       personal_data_of_some(colors.size(), [&](std::size_t i) { return colors.read(i); });
   contents.pictures = pictures_of(colors, associations);
   std::error_code ignored;

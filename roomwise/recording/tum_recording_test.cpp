@@ -80,12 +80,12 @@ TEST_F(TumFolder, GivesFramesWithTheirPlaceInTheListOfColour) {
 }
 
 TEST_F(TumFolder, SaysThatAPictureTellsWhereItWasTakenAndGivesItsFileWithout) {
-  EXPECT_FALSE(open().value()->info().left_out.any());
+  EXPECT_FALSE(open().value()->info().personal_data.any());
   const Bytes plain = image::encode_jpeg(image::ColorImage(kWidth, kHeight, {9, 9, 9}), 95);
   write("rgb/3.png", image::testing::with_exif(plain, image::testing::exif_with_place(3)));
   const auto recording = open();
   ASSERT_OK(recording);
-  EXPECT_EQ((*recording)->info().left_out, (image::PersonalData{true, true, true}));
+  EXPECT_EQ((*recording)->info().personal_data, (image::PersonalData{true, true, true}));
   const auto frame = (*recording)->frame(3);
   ASSERT_OK(frame);
   const Bytes file = image::color_file(**frame);

@@ -33,7 +33,7 @@ struct KeyframeFeatures {
   geometry::PinholeCamera camera;       // its lens is taken out of the views
   std::vector<LandmarkView> views;      // LandmarkView::camera is left at 0
   std::vector<Eigen::Vector3d> points;  // in the camera frame, m; z = 0: no depth
-  std::vector<bool> bright;             // Keypoint::bright
+  std::vector<bool> bright;             // Keypoint::bright: the sign of SURF's Laplacian
   // Of the surfaces seen, camera frame, unit length: which way is up is told by them.
   std::vector<Eigen::Vector3f> normals;
   Eigen::Matrix<std::int8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> descriptors;

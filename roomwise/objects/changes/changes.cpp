@@ -75,7 +75,7 @@ class ChangeFinder {
       evidence_before_.push_back(surface_evidence(thing.surface_world, views_before));
     }
     was_there_in_past_.resize(now_.size());
-    for (const auto& match : match_past(past, now_)) {
+    for (const auto& match : match_by_name_and_place(past, now_)) {
       if (match) was_there_in_past_[*match] = true;
     }
     find_in_place();
@@ -293,8 +293,8 @@ Changes find_changes(std::span<const PlacedInstance> before,
   return ChangeFinder(before, now, options).find(views_before, views_now, past);
 }
 
-std::vector<std::optional<std::size_t>> match_past(std::span<const PlacedInstance> past,
-                                                   std::span<const PlacedInstance> things) {
+std::vector<std::optional<std::size_t>> match_by_name_and_place(
+    std::span<const PlacedInstance> past, std::span<const PlacedInstance> things) {
   std::vector<Pair> pairs;
   for (std::size_t p = 0; p < past.size(); ++p) {
     for (std::size_t t = 0; t < things.size(); ++t) {

@@ -124,7 +124,7 @@ struct ChangeOptions {
 
 // Which of the things stood where each of the past ones did, by name and nearness, each used once;
 // of nothing: absent.
-[[nodiscard]] std::vector<std::optional<std::size_t>> match_past(
+[[nodiscard]] std::vector<std::optional<std::size_t>> match_by_name_and_place(
     std::span<const PlacedInstance> past, std::span<const PlacedInstance> things);
 
 }  // namespace roomwise::objects

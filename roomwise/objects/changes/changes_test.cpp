@@ -238,13 +238,13 @@ TEST(FreeSpaceEvidences, WhatNoViewDecidesCountsAsThereWhereTheWholeSurfaceIsAsk
   EXPECT_DOUBLE_EQ(FreeSpaceEvidence{}.gone_share_of_whole(), 0);
 }
 
-TEST(MatchPast, TakesTheNearestOfTheNameEachOnce) {
+TEST(MatchByNameAndPlace, TakesTheNearestOfTheNameEachOnce) {
   const auto thing = [](const std::string& name, double x) {
     return PlacedInstance{name, {{Eigen::Quaterniond::Identity(), {x, 0, 0}}, {0.5, 0.5, 1}}, {}};
   };
   const std::vector past{thing("chair", 0), thing("chair", 0.3), thing("sofa", 2)};
   const std::vector things{thing("table", 0), thing("chair", 0.25), thing("chair", 5)};
-  const auto matches = match_past(past, things);
+  const auto matches = match_by_name_and_place(past, things);
   EXPECT_FALSE(matches[0]) << "taken by the other";
   EXPECT_EQ(matches[1], 1U);
   EXPECT_FALSE(matches[2]);

@@ -131,7 +131,7 @@ struct OwnThingFinder::Places {
 };
 
 Expected<void> OwnThingSearch::validate() const {
-  if (max_places == 0) return fail("max_places is 0; a picture needs one place at least");
+  if (max_boxes == 0) return fail("max_boxes is 0; a picture needs one place at least");
   if (max_keypoints < 1 || view_keypoints < 1) {
     return fail("max_keypoints is {}, view_keypoints {}; each must be 1 at least", max_keypoints,
                 view_keypoints);
@@ -242,7 +242,7 @@ OwnThingFinder::Places OwnThingFinder::places_in(const SearchedPicture& picture,
     places.add(one.box);
   }
   for (std::size_t i = 0; i < things.size(); ++i) add_places_of(things[i], i, places);
-  if (places.boxes.size() > search_.max_places) places.boxes.resize(search_.max_places);
+  if (places.boxes.size() > search_.max_boxes) places.boxes.resize(search_.max_boxes);
   return places;
 }
 

@@ -61,7 +61,7 @@ class SearchedPicture {
 
 struct OwnThingSearch {
   // Embeddings a picture, at most, whatever is searched for: most of the time that a picture takes.
-  std::size_t max_places = 24;
+  std::size_t max_boxes = 24;
   std::size_t max_detections = 8;  // of these, boxes of detectors
   // For each thing, at most: places where its local features agree, and windows of its colours.
   std::size_t max_placed_views = 2, max_windows = 3;

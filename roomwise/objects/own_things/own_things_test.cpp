@@ -138,7 +138,7 @@ TEST_F(OwnThingsTest, TheCostOfAPictureIsBoundedHoweverManyThingsAreTaught) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) things.push_back(taught(seed));
   auto picture = finder_.begin(room()).value();
   const auto compared = finder_.compare(picture, things).value();
-  EXPECT_LE(compared.size(), OwnThingSearch{}.max_places * things.size());
+  EXPECT_LE(compared.size(), OwnThingSearch{}.max_boxes * things.size());
 }
 
 TEST_F(OwnThingsTest, ViewsAreChosenToDifferTheSharpestFirst) {

@@ -26,8 +26,8 @@ const StoredEdit* later_change(std::span<const StoredEdit> edits, const StoredEd
                                const HomeThings& things) {
   if (edit.kind == EditKind::kTakeWalk) return nullptr;
   const auto about = [&](home::EditId id) {
-    const auto found = things.about.find(id);
-    return found != things.about.end() ? found->second : std::set<std::size_t>{};
+    const auto found = things.things_of_edit.find(id);
+    return found != things.things_of_edit.end() ? found->second : std::set<std::size_t>{};
   };
   const std::set<std::size_t> own = about(edit.id);
   for (auto later = edits.rbegin(); later != edits.rend() && later->id > edit.id; ++later) {
@@ -111,9 +111,9 @@ Expected<void> forget_removed_rooms(home::Home& home) {
       StoredEdit edit = edits[i];
       if (edit.kind == EditKind::kTakeWalk) continue;
       EditChange now = edit.change;
-      call_as_later(std::span(edits).subspan(i + 1), now);
+      apply_later_room_names(std::span(edits).subspan(i + 1), now);
       // Later changes stay, and call it otherwise themselves.
-      call_as_later(std::span(edits).subspan(i + 1, earlier - i), edit.change);
+      apply_later_room_names(std::span(edits).subspan(i + 1, earlier - i), edit.change);
       if (is_of_thing(edit.kind)) {
         if (!is_known(now.room)) edit.change.room.clear();
         ROOMWISE_RETURN_IF_ERROR(home.replace_edit(edit.row()));

@@ -236,14 +236,14 @@ class ThingFollower {
     }
     std::vector<std::optional<std::size_t>> thing_of(joined.instances.size());  // in followed_
     std::set<std::size_t> lost(standing.begin(), standing.end());
-    const auto matches = objects::match_past(places, joined.placed);
+    const auto matches = objects::match_by_name_and_place(places, joined.placed);
     for (std::size_t at = 0; at < standing.size(); ++at) {
       if (!matches[at]) continue;
       thing_of[*matches[at]] = standing[at];
       lost.erase(standing[at]);
     }
     std::set<std::size_t> is_new;
-    for (const auto& match : objects::match_past(arrived, joined.placed)) {
+    for (const auto& match : objects::match_by_name_and_place(arrived, joined.placed)) {
       if (match) is_new.insert(*match);
     }
     const auto newest = std::span(views_).subspan(first_of_walk);

@@ -89,7 +89,9 @@ class Overlay {
         std::move(name), one.box_world(keyframes_[one.keyframe_id].pose.world_from_keyframe), {}};
   }
 
-  void note_about(const StoredEdit& edit, std::size_t at) { things_.about[edit.id].insert(at); }
+  void note_about(const StoredEdit& edit, std::size_t at) {
+    things_.things_of_edit[edit.id].insert(at);
+  }
   Expected<void> lose(const StoredEdit& edit, std::string why) {
     things_.without_effect[edit.id] = std::move(why);
     return {};
@@ -215,7 +217,7 @@ class Overlay {
       at.push_back(i);
       standing.push_back(placed(one, by_name ? one.found_as : place.name));
     }
-    const auto match = objects::match_past(std::span(&place, 1), standing).front();
+    const auto match = objects::match_by_name_and_place(std::span(&place, 1), standing).front();
     return match ? std::optional(at[*match]) : std::nullopt;
   }
 
@@ -232,7 +234,9 @@ class Overlay {
       return false;
     }
     const PlacedInstance asked{place.name, box, {}}, stood = placed(one, one.name);
-    return objects::match_past(std::span(&asked, 1), std::span(&stood, 1)).front().has_value();
+    return objects::match_by_name_and_place(std::span(&asked, 1), std::span(&stood, 1))
+        .front()
+        .has_value();
   }
 
   // Where the walks say that what stood there is now.
@@ -358,7 +362,7 @@ Expected<HomeThings> find_home_things(const home::Home& home) {
     StoredEdit edit = edits[i];
     if (!is_of_thing(edit.kind)) continue;
     // Its room may be called otherwise now, be part of another, or be none any more.
-    call_as_later(std::span(edits).subspan(i + 1), edit.change);
+    apply_later_room_names(std::span(edits).subspan(i + 1), edit.change);
     const auto room = std::ranges::find(rooms, edit.change.room, &rooms::Room::name);
     if (room == rooms.end()) edit.change.room.clear();
     ROOMWISE_RETURN_IF_ERROR(overlay.apply(edit));

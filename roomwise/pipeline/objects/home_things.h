@@ -36,7 +36,7 @@ struct HomeThings {
   // come back.
   std::map<home::EditId, std::string> without_effect;
   // Numbers of the things that each change is about; equal numbers, same thing.
-  std::map<home::EditId, std::set<std::size_t>> about;
+  std::map<home::EditId, std::set<std::size_t>> things_of_edit;
   std::vector<GoneThing> gone;  // in the order of changes
 
   // What people called a thing that programs found gone; nothing where they had said that it was

@@ -24,7 +24,7 @@ struct FoundOwnThing {
 // All that is looked for in pictures of a home: values that never change. Thread-safe.
 class OwnThingWatch {
  public:
-  // Those that the picture shows. One network's features of OwnThingSearch::max_places places at
+  // Those that the picture shows. One network's features of OwnThingSearch::max_boxes places at
   // most, and each detector once, however many things there are.
   [[nodiscard]] Expected<std::vector<FoundOwnThing>> look(const image::ColorImage& picture) const;
   [[nodiscard]] const std::vector<home::OwnThing>& things() const { return things_; }

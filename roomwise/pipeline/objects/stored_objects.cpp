@@ -128,7 +128,7 @@ Expected<std::vector<objects::Instance>> as_visits_left_it(
     there.push_back(standing(joined[i]));
   }
   std::set<std::size_t> left_out;
-  const auto matches = objects::match_past(gone, there);
+  const auto matches = objects::match_by_name_and_place(gone, there);
   for (std::size_t i = 0; i < matches.size(); ++i) {
     if (!matches[i]) continue;
     const std::size_t place = places[*matches[i]];

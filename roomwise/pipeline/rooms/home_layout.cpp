@@ -104,7 +104,7 @@ class RoomsBeforeEdits {
         auto laid = on_the_floor(edits[i], keyframes, frame);
         if (!laid || std::holds_alternative<rooms::AddedDoor>(*laid)) continue;
         EditChange change = edits[i].change;
-        call_as_later(later, change);
+        apply_later_room_names(later, change);
         step.rooms = {change.room};
         if (!change.other_room.empty()) step.rooms.push_back(change.other_room);
         // Of a room that was removed since nothing is laid over the floor.
@@ -115,7 +115,7 @@ class RoomsBeforeEdits {
       for (auto& [walk, ranges] : before) {
         for (recording::RoomRange& range : ranges) {
           EditChange of_range{.room = range.room};
-          call_as_later(later, of_range);
+          apply_later_room_names(later, of_range);
           range.room = is_in(rooms, of_range.room) ? of_range.room : std::string();
         }
         step.before = std::move(ranges);

@@ -193,7 +193,7 @@ Expected<std::map<home::RecordingId, std::vector<recording::RoomRange>>> ranges_
   return ranges;
 }
 
-void call_as_later(std::span<const StoredEdit> later, EditChange& change) {
+void apply_later_room_names(std::span<const StoredEdit> later, EditChange& change) {
   for (const StoredEdit& edit : later) {
     const bool is_renamed = edit.kind == EditKind::kRenameRoom;
     if (!is_renamed && edit.kind != EditKind::kJoinRooms) continue;

@@ -86,7 +86,7 @@ struct StoredEdit {
 ranges_before(const std::string& before);
 
 // Calls a change's rooms as changes after it do: those that renamed or joined them.
-void call_as_later(std::span<const StoredEdit> later, EditChange& change);
+void apply_later_room_names(std::span<const StoredEdit> later, EditChange& change);
 
 // Fails, saying why, where a name is empty or too long, or has signs that nobody can speak.
 [[nodiscard]] Expected<void> validate_spoken_name(std::string_view name);

@@ -144,8 +144,8 @@ Expected<std::unique_ptr<Recording>> PhoneRecording::open(PhoneListing listing,
   if (options.camera && *options.camera != contents.info.camera) {
     return fail("{}: says itself which camera took it; leave the other camera out", listing.name);
   }
-  contents.info.left_out = listing.left_out;
-  contents.info.left_out |= facts_of_pictures(listing);
+  contents.info.personal_data = listing.personal_data;
+  contents.info.personal_data |= facts_of_pictures(listing);
   contents.damaged = listing.damaged;
   note_depth(contents);
   note_depth_views(listing.pictures, contents);

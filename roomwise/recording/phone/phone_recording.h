@@ -30,13 +30,15 @@ struct PhonePicture {
 
 // What the files of a phone's recording say.
 struct PhoneListing {
-  std::string kind, name;
+  std::string kind;  // for people: "Stray Scanner"
+  std::string name;
   std::vector<PhonePicture> pictures;
   Trajectory device_poses;
   std::vector<DamagedFrame> damaged = {};  // in the order of their indices
   std::vector<std::string> notes = {};     // see RecordingContents
-  image::PersonalData left_out = {};       // of all but the pictures
-  bool poses_are_device_motion = false;    // see RecordingContents
+  image::PersonalData personal_data = {};  // of all but the pictures
+  bool poses_are_device_motion = false;    // known while it recorded, not reconstructed later
+  // Up in the device's world, unit length.
   std::optional<Eigen::Vector3d> device_up = std::nullopt;
   // What a depth image has where nothing was measured, besides 0.
   std::uint16_t no_depth = 0;

@@ -76,9 +76,9 @@ Expected<std::unique_ptr<Recording>> open_polycam_folder(const fs::path& folder,
     listing.pictures.push_back(
         {index, timestamp_ns, image, file_or_none(depths, microseconds), facts->camera});
     listing.device_poses.push_back({timestamp_ns, facts->world_from_camera});
-    listing.left_out |= facts->personal;
+    listing.personal_data |= facts->personal;
   }
-  listing.left_out |= personal_data_of_json_file(folder / "mesh_info.json");
+  listing.personal_data |= personal_data_of_json_file(folder / "mesh_info.json");
   const auto lost = std::ranges::count_if(
       cameras, [&](const auto& camera) { return !images.contains(camera.first); });
   if (lost > 0) {

@@ -34,7 +34,7 @@ struct Record3dFacts {
   std::map<std::size_t, Record3dFrame> frames;  // that have a picture, by their numbers
   std::vector<DamagedFrame> damaged;
   std::vector<std::string> notes;
-  image::PersonalData left_out;
+  image::PersonalData personal_data;
 };
 
 Expected<int> side_of(const Json& json, const char* key, int max) {
@@ -163,7 +163,7 @@ Expected<Record3dFacts> facts_from(const Json& json, const Record3dFiles& files)
     facts.notes.push_back(
         fmt::format("{} of {} frames have no picture; were all copied?", lacking, listed));
   }
-  facts.left_out = personal_data_of_json(json);
+  facts.personal_data = personal_data_of_json(json);
   return facts;
 }
 
@@ -258,10 +258,10 @@ Expected<std::unique_ptr<Recording>> open_record3d_files(std::unique_ptr<Record3
   if (std::ranges::none_of(contents.pictures, &RecordedPicture::has_depth)) {
     return fail("{}: no picture has a depth image", path);
   }
-  contents.info.left_out = facts.left_out;
-  contents.info.left_out |= personal_data_of_some(contents.pictures.size(), [&](std::size_t i) {
-    return files->read_color(contents.pictures[i].index);
-  });
+  contents.info.personal_data = facts.personal_data;
+  contents.info.personal_data |= personal_data_of_some(
+      contents.pictures.size(),
+      [&](std::size_t i) { return files->read_color(contents.pictures[i].index); });
   contents.info.camera = common_camera(cameras, kMaxRecord3dSide_px);
   if (options.camera && *options.camera != contents.info.camera) {
     return fail("{}: says itself which camera took it; leave the other camera out", path);

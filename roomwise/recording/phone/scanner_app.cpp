@@ -135,9 +135,9 @@ Expected<std::unique_ptr<Recording>> open_scanner_app_export(const fs::path& fol
   }
   for (const auto& [number, of_frame] : facts.of_frame) {
     listing.device_poses.push_back({of_frame.timestamp_ns, of_frame.world_from_camera});
-    listing.left_out |= of_frame.personal;
+    listing.personal_data |= of_frame.personal;
   }
-  listing.left_out |= personal_data_of_json_file(folder / "info.json");
+  listing.personal_data |= personal_data_of_json_file(folder / "info.json");
   note_lost_poses(facts, colors, listing);
   return PhoneRecording::open(std::move(listing), options);
 }

@@ -256,9 +256,9 @@ TEST_F(ScannerAppFolder, SaysHowManyPosesOfNoPictureAreLost) {
 }
 
 TEST_F(ScannerAppFolder, SaysThatItTellsWhereItWasRecorded) {
-  EXPECT_EQ(open().value()->info().left_out, (image::PersonalData{true, false, false}));
+  EXPECT_EQ(open().value()->info().personal_data, (image::PersonalData{true, false, false}));
   EXPECT_OK(write_file(folder_ / "info.json", std::string_view(R"({"deviceName": "Jane's"})")));
-  EXPECT_EQ(open().value()->info().left_out, (image::PersonalData{true, true, false}));
+  EXPECT_EQ(open().value()->info().personal_data, (image::PersonalData{true, true, false}));
 }
 
 TEST_F(ScannerAppFolder, NamesThePictureThatCannotBeRead) {

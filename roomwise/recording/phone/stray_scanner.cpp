@@ -242,7 +242,7 @@ Expected<std::unique_ptr<Recording>> open_stray_scanner_folder(const fs::path& f
   PhoneListing listing{"Stray Scanner", recording_name(folder), {}, {}};
   listing.poses_are_device_motion = true;  // ARKit's
   listing.device_up = kArkitUp;
-  listing.left_out = video->personal_data();
+  listing.personal_data = video->personal_data();
   note_end(table, *video, listing);
   std::uint64_t next = 0;
   for (auto& read : read_rows(table, std::min(table.size(), video->size()), camera)) {

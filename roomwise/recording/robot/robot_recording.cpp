@@ -222,7 +222,7 @@ Expected<std::unique_ptr<Recording>> open_log(std::string kind, MessageLog whole
     return fail("no image of {} has one of {} within {} s", pair.color.topic, pair.depth.topic,
                 static_cast<double>(options.tolerance_ns) * kSecondsPerNs);
   }
-  contents.info.left_out = personal_data_of(*log, pair.color, colors);
+  contents.info.personal_data = personal_data_of(*log, pair.color, colors);
   DevicePoses found = find_device_poses(*log, tree, pair.color.frame, colors.times);
   contents.poses_are_device_motion = found.are_odometry;
   contents.device_poses = std::move(found.poses);

@@ -254,10 +254,11 @@ TEST_F(RobotTest, AGreyPngOfSixteenBitsIsDepthWhereItIsCalledSoAlone) {
 }
 
 TEST_F(RobotTest, WhereItWasAndByWhomAPictureIsSaysSoAlone) {
-  EXPECT_FALSE(open(simple_robot()).value()->info().left_out.any());
+  EXPECT_FALSE(open(simple_robot()).value()->info().personal_data.any());
   RobotLog with_gps = simple_robot();
   with_gps.add("/fix", "sensor_msgs/NavSatFix", kStart, Bytes(8));
-  EXPECT_EQ(open(with_gps).value()->info().left_out, (image::PersonalData{true, false, false}));
+  EXPECT_EQ(open(with_gps).value()->info().personal_data,
+            (image::PersonalData{true, false, false}));
   RobotLog log;
   log.info("/camera/camera_info", "color");
   const Bytes jpeg = image::testing::with_exif(
@@ -269,7 +270,7 @@ TEST_F(RobotTest, WhereItWasAndByWhomAPictureIsSaysSoAlone) {
   log.depth("/camera/depth", kStart, "color");
   const auto opened = open(log);
   ASSERT_OK(opened);
-  EXPECT_EQ((*opened)->info().left_out, (image::PersonalData{true, true, true}));
+  EXPECT_EQ((*opened)->info().personal_data, (image::PersonalData{true, true, true}));
   EXPECT_EQ(image::testing::secrets_in(image::color_file(*(*opened)->frame(0).value())), "");
 }
 

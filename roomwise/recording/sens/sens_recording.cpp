@@ -312,7 +312,7 @@ Expected<std::unique_ptr<Recording>> open_sens_recording(const std::filesystem::
                     head.frame_count));
   }
   const std::vector<bool> fits = give_times(frames, contents.notes);
-  contents.info.left_out = personal_data_of_some(frames.size(), [&](std::size_t i) {
+  contents.info.personal_data = personal_data_of_some(frames.size(), [&](std::size_t i) {
     return file.read(frames[i].offset, frames[i].color_size);
   });
   for (std::size_t i = 0; i < frames.size(); ++i) {
