@@ -4,11 +4,12 @@ import { h, setText } from '../shared/dom';
 import { textField } from '../shared/forms';
 import { formatNumber, formatPercent, text } from '../shared/texts';
 import { handIn, UploadStopped, type UploadState } from '../shared/upload';
-import { actAndSay, actOrSay, type Helper } from './actions';
+import { act, actOrSay, type Helper } from './actions';
 import { keptRows, type Row } from './rerender';
 import { card } from './shell';
 
 export function uploadCard(helper: Helper): HTMLElement {
+  const { store } = helper;
   const file = textField(text('upload.file'), { hint: text('upload.hint'), attributes: { type: 'file' } });
   const send = h('button', { type: 'submit', class: 'primary' }, text('upload.send'));
   const stopButton = h('button', { type: 'button', hidden: true, onclick: () => (stop.asked = true) }, text('upload.stop'));
@@ -38,20 +39,37 @@ export function uploadCard(helper: Helper): HTMLElement {
     stop = { asked: false };
     said = -1;
     stopButton.hidden = bar.hidden = false;
+    let end = '';
     try {
       const { upload } = await handIn(chosen, browserParts, tell, stop);
-      await actAndSay(helper, () => request('POST', `/api/uploads/${upload}/map`), text('upload.sent'));
-      words.textContent = '';
+      await mapIt(upload);
     } catch (error) {
       if (!(error instanceof UploadStopped)) {
         throw error;
       }
-      words.textContent = text('upload.stopped');
-      helper.announcer.say(text('upload.stopped'));
+      end = text('upload.stopped');
+      helper.announcer.say(end);
     } finally {
+      if (stopButton.contains(document.activeElement)) {
+        send.focus();
+      }
       stopButton.hidden = bar.hidden = true;
+      words.textContent = end;
+      news.textContent = '';
       showWaiting();
     }
+  }
+
+  // Where its end is told before the answer comes, that is the newer word.
+  async function mapIt(upload: string): Promise<void> {
+    const before = store.state.job;
+    const saySent = await act(helper, () => request('POST', `/api/uploads/${upload}/map`), text('upload.sent'));
+    const { job } = store.state;
+    const hasEnded = job !== before && job?.kind === 'map' && job.state !== 'running';
+    if (!hasEnded) {
+      saySent();
+    }
+    showWaiting();
   }
 
   function tell({ offset, bytes }: UploadState, isWaiting: boolean): void {
@@ -74,12 +92,12 @@ export function uploadCard(helper: Helper): HTMLElement {
 
   function waitingRow({ upload, name }: UploadState): Row<UploadState> {
     const state = h('span');
-    const button = (what: 'map' | 'remove', method: 'POST' | 'DELETE', path: string, done: string): HTMLElement => h('button', {
-      type: 'button', class: 'small', 'data-key': `${what} ${upload}`, 'aria-label': `${text(`upload.${what}`)} ${name}`,
-      onclick: () => actOrSay(helper, () => request(method, path).then(showWaiting), done),
+    const button = (what: 'map' | 'remove', run: () => void): HTMLElement => h('button', {
+      type: 'button', class: 'small', 'data-key': `${what} ${upload}`, 'aria-label': `${text(`upload.${what}`)} ${name}`, onclick: run,
     }, text(`upload.${what}`));
-    const remove = button('remove', 'DELETE', `/api/uploads/${upload}`, text('upload.removed', { name }));
-    const map = button('map', 'POST', `/api/uploads/${upload}/map`, text('upload.sent'));
+    const remove = button('remove', () => actOrSay(helper,
+      () => request('DELETE', `/api/uploads/${upload}`).then(showWaiting), text('upload.removed', { name })));
+    const map = button('map', () => void mapIt(upload).catch((error: unknown) => helper.announcer.say(messageOf(error), 'failed')));
     return {
       element: h('li', {}, state, map, remove),
       show: ({ offset, bytes, is_being_mapped: isBeingMapped = false }) => {
@@ -94,8 +112,8 @@ export function uploadCard(helper: Helper): HTMLElement {
 
   const rows = keptRows(waiting, ({ upload }: UploadState) => upload, waitingRow);
   let shownFor = ''; // a job's progress changes nothing here
-  helper.store.watch(['job', 'online'], () => {
-    const { job, online } = helper.store.state;
+  store.watch(['job', 'online'], () => {
+    const { job, online } = store.state;
     const now = `${job?.kind} ${job?.state} ${online}`;
     if (now !== shownFor) {
       shownFor = now;

@@ -7,7 +7,7 @@ import { after, test } from 'node:test';
 import type { ElementHandle } from 'puppeteer-core';
 
 import { tellJob } from '../stand_in_api';
-import { closeBrowser, gets, kPhone, openVisit, skipReason, withServer, type Visit } from './harness';
+import { closeBrowser, gets, kPhone, kWaiting, openVisit, skipReason, withServer, type Visit } from './harness';
 import { goTo, heardOnce } from './person';
 
 const folder = mkdtempSync(join(tmpdir(), 'roomwise-'));
@@ -95,5 +95,63 @@ test('a file that the computer has no room for is refused beside its field', opt
   await choose(visit, exportOf(1_500_000).path);
   await visit.press('Hand in');
   await visit.sees("the computer's disk has room for 1 MB more", '[role=alert]');
+  await visit.close();
+}));
+
+// The answer to a request whose path ends so waits until `release`.
+interface Held {
+  isHeld: boolean;
+  release: () => void;
+}
+
+async function holdAnswer(visit: Visit, pathEnd: string): Promise<() => Promise<void>> {
+  await visit.page.evaluate((end) => {
+    const ask = window.fetch.bind(window);
+    const held: Held = { isHeld: false, release: () => undefined };
+    (window as unknown as { held: Held }).held = held;
+    window.fetch = async (...asked) => {
+      const answer = await ask(...asked);
+      if (String(asked[0]).endsWith(end)) {
+        await new Promise<void>((resolve) => Object.assign(held, { isHeld: true, release: resolve }));
+      }
+      return answer;
+    };
+  }, pathEnd);
+  return async () => {
+    await visit.page.waitForFunction(() => (window as unknown as { held: Held }).held.isHeld, kWaiting);
+    await visit.page.evaluate(() => (window as unknown as { held: Held }).held.release());
+  };
+}
+
+test('that a map cannot be made is the last thing that is said, though the answer comes after it', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#walks');
+  await visit.sees('Connected', '.chip');
+  const release = await holdAnswer(visit, '/map');
+  await choose(visit, exportOf(1500).path);
+  await visit.press('Hand in');
+  await visit.sees('Making the map', '.progress-words');
+  tellJob(server, 'failed', 0, '', 'map');
+  await visit.hears('The map could not be made.');
+  await release();
+  await visit.page.waitForFunction(() => [...document.querySelectorAll('button')].find((one) => one.textContent === 'Stop sending')?.hidden, kWaiting);
+  assert.equal(await visit.page.$eval('.announcer', (one) => one.textContent), '');
+  await visit.close();
+}));
+
+test('who stops sending goes on where it is handed in, and no share of it is told any more', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#walks');
+  await visit.sees('Hand in what an app recorded');
+  const release = await holdAnswer(visit, '/0');
+  await choose(visit, exportOf(12_345).path);
+  await visit.press('Hand in');
+  await visit.hears('0% of');
+  await visit.press('Stop sending');
+  await release();
+  await visit.sees('Sending has stopped. Hand in the same file to go on.', '.progress-words');
+  assert.equal(await visit.focused(), 'Hand in');
+  const told = await visit.page.$$eval('[role=status]', (all) => all.map((one) => one.textContent).join());
+  assert.doesNotMatch(told, /%/);
   await visit.close();
 }));
