@@ -73,7 +73,7 @@ LiveHome::~LiveHome() {
   for (const auto& recorder : unclosed_) (void)recorder->close();
   if (photos_ && erases_when_closed_) {
     const std::scoped_lock lock(home_mutex_);
-    (void)forget_removed();  // where it fails, the next one that opens does it
+    (void)forget_removed();  // where it fails, it waits as before, or is owed
   }
 }
 

@@ -55,7 +55,7 @@ struct LiveHomeOptions {
   int augment = 2;                // variants of each picture that rooms are learned from
   std::uint64_t seed = 0;
   home::OpenOptions open = {};  // the passphrase of a protected home
-  // What is removed and could be undone is erased when the home is opened, and when it is closed.
+  // What is removed and could be undone is erased when the home is closed; after a kill it waits.
   bool erases_removed = true;
   // For long work, shared by all homes of a process.
   std::shared_ptr<WorkPlaces> work_places = std::make_shared<WorkPlaces>(1);
@@ -286,8 +286,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<void> while_idle(const std::function<Expected<void>()>& forget);
   [[nodiscard]] Expected<void> erase_walk(home::RecordingId walk);
   [[nodiscard]] pipeline::EditAuthor author(const std::string& name) const;
-  // What waits to be erased when the home is opened: what could be undone until now, as the options
-  // say, and what was forgotten and not erased.
+  // What is still to be erased when the home is opened: what a kill left of erase_walk(), and what
+  // was forgotten and not erased. What can be undone waits on.
   void erase_what_waits();
   // RoomPhotos::settle(); where that fails, it is told in the log. With home_mutex_ held.
   void settle_photos();

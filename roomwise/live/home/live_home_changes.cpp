@@ -109,10 +109,10 @@ Expected<void> LiveHome::erase_now() {
 
 void LiveHome::erase_what_waits() {
   settle_photos();
-  if (!options_.erases_removed) return make_up_for_erasing(home_);
-  if (const auto done = forget_removed(); !done) {
-    options_.log(fmt::format("what was forgotten is not erased yet: {}", done.error().message));
+  if (const auto done = pipeline::forget_taken_walks(home_, std::string()); !done) {
+    options_.log(fmt::format("a walk is not erased yet: {}", done.error().message));
   }
+  make_up_for_erasing(home_);
 }
 
 void LiveHome::make_up_for_erasing(home::Home& home) {

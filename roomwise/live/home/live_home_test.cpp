@@ -105,6 +105,16 @@ class LiveHomeTest : public ::testing::Test {
     ASSERT_OK(opened);
     home = *std::move(opened);
   }
+  // Whatever is closed next leaves the home as it is.
+  void open_as_if_to_be_killed() {
+    LiveHomeOptions options;
+    options.erases_removed = false;
+    home = LiveHome::open(file, networks, finders, options).value();
+  }
+  static Expected<home::EditId> take_first_walk_away(home::Home& home, const HomeView&,
+                                                     const pipeline::EditAuthor& author) {
+    return pipeline::take_walk_away(home, author, 1);
+  }
   struct Client {
     std::shared_ptr<WaitingWire> wire = std::make_shared<WaitingWire>();
     std::unique_ptr<service::SocketSession> session;
@@ -343,16 +353,13 @@ TEST_F(LiveHomeTest, AWalkThatIsTakenAwayComesBackUntilItIsErased) {
   const Bytes picture = home->keyframe_picture(0).value();
   const std::string trace(picture.begin() + static_cast<std::ptrdiff_t>(picture.size() / 2),
                           picture.begin() + static_cast<std::ptrdiff_t>(picture.size() / 2) + 64);
-  const auto take_away = [](home::Home& open, const HomeView&, const auto& author) {
-    return pipeline::take_walk_away(open, author, 1);
-  };
-  const home::EditId edit = home->edit("Anna", take_away).value();
+  const home::EditId edit = home->edit("Anna", take_first_walk_away).value();
   EXPECT_ERROR(home->keyframe_picture(0), "is taken away");
   EXPECT_THAT(home->view()->walks_taken_away(), ::testing::ElementsAre(1));
   ASSERT_OK(home->undo(edit));
   ASSERT_OK(home->keyframe_picture(0));
 
-  ASSERT_OK(home->edit("Anna", take_away));
+  ASSERT_OK(home->edit("Anna", take_first_walk_away));
   ASSERT_THAT(bytes_of_home(), HasSubstr(trace)) << "it can come back";
   ASSERT_OK(home->erase_now());
   home->jobs().wait();
@@ -365,9 +372,7 @@ TEST_F(LiveHomeTest, AWalkThatIsTakenAwayComesBackUntilItIsErased) {
 TEST_F(LiveHomeTest, AWalkThatIsTakenAwayGoesWhenTheHomeIsClosedAndIsNotMappedAgain) {
   open();
   record_the_walk();
-  ASSERT_OK(home->edit("Anna", [](home::Home& open, const HomeView&, const auto& author) {
-    return pipeline::take_walk_away(open, author, 1);
-  }));
+  ASSERT_OK(home->edit("Anna", take_first_walk_away));
   home.reset();
   EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/first walk"));
   open();
@@ -375,14 +380,39 @@ TEST_F(LiveHomeTest, AWalkThatIsTakenAwayGoesWhenTheHomeIsClosedAndIsNotMappedAg
   EXPECT_THAT(home->view()->walks, IsEmpty());
 }
 
-TEST_F(LiveHomeTest, AWalkThatIsForgottenWhileTheHomeIsClosedIsNotMappedAgain) {
-  LiveHomeOptions keeping;
-  keeping.erases_removed = false;
-  home = LiveHome::open(file, networks, finders, keeping).value();
+TEST_F(LiveHomeTest, WhatCanComeBackWaitsThoughTheProgramWasKilled) {
+  open_as_if_to_be_killed();
   record_the_walk();
-  ASSERT_OK(home->edit("Anna", [](home::Home& open, const HomeView&, const auto& author) {
-    return pipeline::take_walk_away(open, author, 1);
-  }));
+  learn_two_rooms();
+  const home::EditId taken = home->edit("Anna", take_first_walk_away).value();
+  ASSERT_OK(home->forget_room("kitchen"));
+  home.reset();
+  open();
+  EXPECT_THAT(home->view()->walks_taken_away(), ::testing::ElementsAre(1));
+  ASSERT_OK(home->undo(taken));
+  EXPECT_OK(home->keyframe_picture(0));
+  EXPECT_TRUE(std::filesystem::exists(folder / "flat.home.walks/first walk/rgb.txt"));
+  ASSERT_OK(home->undo(home->view()->edits.front().edit.id));
+  EXPECT_THAT(home->view()->rooms, SizeIs(2));
+}
+
+TEST_F(LiveHomeTest, ErasingAWalkThatAKillCutShortIsGoneOnWith) {
+  open_as_if_to_be_killed();
+  record_the_walk();
+  ASSERT_OK(home->edit({}, take_first_walk_away));  // as erase_walk() begins
+  home.reset();
+  open();
+  home->jobs().wait();
+  EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/first walk"));
+  EXPECT_THAT(home->view()->walks, IsEmpty());
+  EXPECT_THAT(home->view()->edits, IsEmpty());
+  EXPECT_FALSE(home->view()->owes_erasing);
+}
+
+TEST_F(LiveHomeTest, AWalkThatIsForgottenWhileTheHomeIsClosedIsNotMappedAgain) {
+  open_as_if_to_be_killed();
+  record_the_walk();
+  ASSERT_OK(home->edit("Anna", take_first_walk_away));
   home.reset();
   EXPECT_TRUE(std::filesystem::exists(folder / "flat.home.walks/first walk"));
   {

@@ -79,8 +79,10 @@ Expected<void> remove_walk_folder(const home::Home& home, const home::StoredReco
   return {};
 }
 
-Expected<std::vector<home::StoredRecording>> forget_taken_walks(home::Home& home) {
-  ROOMWISE_TRY(const auto edits, stored_edits(home));
+Expected<std::vector<home::StoredRecording>> forget_taken_walks(
+    home::Home& home, const std::optional<std::string>& by) {
+  ROOMWISE_TRY(auto edits, stored_edits(home));
+  if (by) std::erase_if(edits, [&](const StoredEdit& edit) { return edit.made_by != *by; });
   const std::set<home::RecordingId> walks = walks_taken_away(edits);
   std::vector<home::StoredRecording> forgotten;
   for (const home::RecordingId walk : walks) {

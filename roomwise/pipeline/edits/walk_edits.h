@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "roomwise/pipeline/edits/edit_things.h"
@@ -30,7 +32,8 @@ namespace roomwise::pipeline {
                                                 const home::StoredRecording& walk);
 
 // remove_walk_folder() and forget_walk() of each of them; Home::erase_removed() is to follow.
-// Returns what they were.
-[[nodiscard]] Expected<std::vector<home::StoredRecording>> forget_taken_walks(home::Home& home);
+// Returns what they were. `by`: of those alone whose author has this name.
+[[nodiscard]] Expected<std::vector<home::StoredRecording>> forget_taken_walks(
+    home::Home& home, const std::optional<std::string>& by = std::nullopt);
 
 }  // namespace roomwise::pipeline
