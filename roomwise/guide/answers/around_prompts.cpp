@@ -138,7 +138,7 @@ std::vector<Prompt> things_of_place(const Pose& pose, const std::optional<std::s
 
 std::vector<Prompt> around_prompts(const UserLocation& location, std::span<const KnownThing> things,
                                    const Wording& wording, TimestampNs now_ns,
-                                   const std::optional<CalendarTime>& today) {
+                                   const std::optional<CalendarTime>& today, bool is_on_map) {
   const Pose* pose = location.sure_pose();
   if (pose == nullptr && !location.room) {
     return {make_prompt(wording, "around", "around.no_place", {}, Confidence::kUnsure,
@@ -148,6 +148,10 @@ std::vector<Prompt> around_prompts(const UserLocation& location, std::span<const
                      ? things_of_place(*pose, location.room, things, wording, now_ns, today)
                      : things_of_room(*location.room, things, wording, now_ns, today);
   if (!prompts.empty()) return prompts;
+  if (!is_on_map) {
+    return {make_prompt(wording, "around", "around.no_map", {}, Confidence::kUnsure,
+                        after(now_ns, kRoomValid_s), "the room has no place on the map")};
+  }
   return {make_prompt(wording, "around", "around.nothing", {}, Confidence::kSure,
                       after(now_ns, kRoomValid_s), "the map has no thing here")};
 }

@@ -16,11 +16,13 @@ namespace roomwise::guide {
 // reach of a hand, by name; then a prompt a thing with its direction and distance, what is near and
 // large before what is far and small. Four things at most, one of a name, and none of other rooms.
 // Without a pose the names of what is in the room. What was seen long ago (`today` tells how long)
-// is probable only. Never empty.
+// is probable only. `is_on_map`: false of a room that is known by its photos alone, of which that
+// there is nothing cannot be said. Never empty.
 [[nodiscard]] std::vector<Prompt> around_prompts(const UserLocation& location,
                                                  std::span<const KnownThing> things,
                                                  const Wording& wording, TimestampNs now_ns,
-                                                 const std::optional<CalendarTime>& today = {});
+                                                 const std::optional<CalendarTime>& today = {},
+                                                 bool is_on_map = true);
 
 // The thing of the home that somebody means by a name: the home's own name, what it is called in
 // their language, or a label that the vocabulary knows for it; nothing where the home has none.

@@ -367,6 +367,15 @@ std::optional<service::Question> question_of(guide::QuestionType type, bool is_r
   }
 }
 
+// A room that is known by its photos alone is not.
+bool is_on_map(const guide::UserLocation& location, const HomeView& home) {
+  if (location.sure_pose() != nullptr || !location.room) return true;
+  return home.layout &&
+         std::ranges::any_of(home.layout->rooms(), [&](const rooms::RoomExtent& extent) {
+           return extent.name == *location.room && extent.floor_m2 > 0;
+         });
+}
+
 }  // namespace
 
 guide::HomeNames names_in(const HomeView& home) {
@@ -592,7 +601,7 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
       }
       if (situation.result == nullptr) return {no_picture(situation.settings, situation.now_t_ms)};
       return guide::around_prompts(location, situation.home.things, wording, now_ns,
-                                   situation.today);
+                                   situation.today, is_on_map(location, situation.home));
     case service::Question::kWhereIs:
       if (ask.is_room) return HomeAnswers(situation, wording, now_ns).to(ask);
       return where_is(ask, situation, wording, now_ns);

@@ -257,6 +257,15 @@ TEST(Answers, AroundSomebodyIsWhatIsInTheirRoom) {
   EXPECT_THAT(prompts[0].text, ::testing::HasSubstr("icrowave at 12 o'clock"));
 }
 
+TEST(Answers, OfARoomThatPhotosAloneShowItIsNotSaidThatNothingIsThere) {
+  HomeView home;
+  home.walks.emplace_back();
+  const FrameResult result = glance_in("pantry", 500, rooms::Verdict::kRoom);
+  const auto prompts = answer({1, 500, service::Question::kAroundMe, ""}, {home, &result, {}, 500});
+  ASSERT_THAT(prompts, SizeIs(1));
+  EXPECT_EQ(prompts[0].text, "I have no map of this room yet.");
+}
+
 TEST(Answers, TellWhatTheMapKnowsOfThingsAndRooms) {
   HomeView home;
   home.rooms = {{"bedroom", "bedroom"}, {"kitchen", "kitchen"}};
