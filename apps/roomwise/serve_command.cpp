@@ -121,6 +121,9 @@ class HomeServer {
     context.disconnect = [this](std::int64_t device) {
       server_->disconnect(device, "this device was removed");
     };
+    context.renamed = [this](std::int64_t device, const std::string& name) {
+      home_->device_renamed(device, name);
+    };
     context.authority = [this] { return certificate().authority; };
     context.pair_address = [this] { return address() + "/pair"; };
     context.qr = [](const std::string& text) {

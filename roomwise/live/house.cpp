@@ -199,8 +199,11 @@ class House::Resident final : public service::ServedHome {
   }
 
   std::vector<service::Route> routes() {
-    std::vector<service::Route> routes =
-        service::access_routes(*access_, house_.options_.access(name_));
+    service::AccessRoutesContext context = house_.options_.access(name_);
+    context.renamed = [this](std::int64_t device, const std::string& name) {
+      if (LiveHome* const home = live()) home->device_renamed(device, name);
+    };
+    std::vector<service::Route> routes = service::access_routes(*access_, std::move(context));
     for (HomeRoute& one : home_routes()) {
       routes.push_back({std::move(one.method), std::move(one.pattern), one.role,
                         [this, handler = std::move(one.handler)](const HttpRequest& request,

@@ -798,7 +798,7 @@ void Device::say_whether_watched(bool may_watch) {
 }
 
 service::WatchedDevice Device::watched(bool with_end) const {
-  service::WatchedDevice watched{who_.device, who_.name, to_ms(Clock::now()), settings_.may_watch};
+  service::WatchedDevice watched{who_.device, who().name, to_ms(Clock::now()), settings_.may_watch};
   const bool is_shown = settings_.may_watch && (with_end ? led_ != nullptr : is_led());
   if (is_shown) watched.walk = watch_.shown(led_->watched());
   return watched;
@@ -842,7 +842,7 @@ void Device::show_walk_to(Device& helper) {
     std::vector<service::Identity> watchers = host_.watchers(who_);
     if (std::ranges::find(watchers, helper.who_.device, &service::Identity::device) ==
         watchers.end()) {
-      watchers.push_back(helper.who_);
+      watchers.push_back(helper.who());
     }
     tell_of(watchers);
   }
@@ -901,9 +901,22 @@ std::optional<service::DeviceCamera> Device::camera() const {
   return camera_;
 }
 
+service::Identity Device::who() const {
+  const std::scoped_lock lock(name_mutex_);
+  return {who_.device, name_, who_.role};
+}
+
+void Device::rename(const std::string& name) {
+  {
+    const std::scoped_lock lock(name_mutex_);
+    name_ = name;
+  }
+  show_walk(/*in_any_case=*/true, /*with_end=*/false);
+}
+
 service::DeviceSeen Device::seen() const {
   const std::scoped_lock lock(mutex_);
-  service::DeviceSeen seen{who_.device, who_.name, greeted_ && !closed_, {}};
+  service::DeviceSeen seen{who_.device, who().name, greeted_ && !closed_, {}};
   if (last_result_) seen.seen = seen_of(*last_result_);
   if (seen.seen && !settings_.may_watch) seen.seen->position.reset();
   return seen;

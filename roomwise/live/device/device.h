@@ -124,7 +124,9 @@ class Device : public std::enable_shared_from_this<Device> {
   // The frames are stored from now on; null: no longer.
   void record_to(std::shared_ptr<WalkRecorder> recorder);
 
-  [[nodiscard]] const service::Identity& who() const { return who_; }
+  [[nodiscard]] service::Identity who() const;
+  // Helpers who watch are told.
+  void rename(const std::string& name);
   [[nodiscard]] bool is_here() const;  // said hello, and is connected
   [[nodiscard]] bool watches() const { return watches_; }
   [[nodiscard]] std::optional<service::DeviceCamera> camera() const;
@@ -194,7 +196,9 @@ class Device : public std::enable_shared_from_this<Device> {
   void store(const CameraFrame& frame);
   [[nodiscard]] service::Welcome welcome() const;
 
-  const service::Identity who_;
+  const service::Identity who_;    // as it connected
+  mutable std::mutex name_mutex_;  // no other is taken while it is held
+  std::string name_ = who_.name;
   const std::shared_ptr<service::SocketOut> out_;
   DeviceHost& host_;
 

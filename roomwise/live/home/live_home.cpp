@@ -159,6 +159,14 @@ std::vector<std::shared_ptr<Device>> LiveHome::all_devices() const {
   return {devices_.begin(), devices_.end()};
 }
 
+void LiveHome::device_renamed(std::int64_t device, const std::string& name) {
+  for (const auto& one : all_devices()) {
+    if (one->who().device != device) continue;
+    one->rename(name);
+    if (one->is_here()) tell_helpers(one->seen());
+  }
+}
+
 std::vector<service::DeviceSeen> LiveHome::devices() const {
   std::vector<service::DeviceSeen> seen;
   for (const auto& device : all_devices()) {

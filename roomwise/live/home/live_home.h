@@ -86,6 +86,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   std::unique_ptr<service::SocketSession> connect(const service::Identity& who,
                                                   std::shared_ptr<service::SocketOut> out) override;
   [[nodiscard]] std::vector<service::DeviceSeen> devices() const;  // connected, by number
+  // Also where it is connected by its old name.
+  void device_renamed(std::int64_t device, const std::string& name);
   [[nodiscard]] std::uint64_t frames_processed() const { return frames_processed_; }
   [[nodiscard]] std::uint64_t frames_dropped() const;
   [[nodiscard]] const RecognitionLog& recognitions() const { return recognitions_; }

@@ -1084,6 +1084,17 @@ TEST_F(LiveHomeTest, HelpersWhoWatchAndNobodyElseSeeAWalkWhosePersonLetsThem) {
   const auto led = page.wire->next<service::WatchedDevice>(
       [](const service::WatchedDevice& one) { return one.walk.has_value(); });
   EXPECT_EQ(led.walk->goal, "my chair");
+  EXPECT_EQ(led.name, "client");
+  home->device_renamed(7, "Anna's belt");
+  const auto renamed = page.wire->next<service::WatchedDevice>(
+      [](const service::WatchedDevice& one) { return one.name != "client"; });
+  EXPECT_EQ(renamed.name, "Anna's belt");
+  EXPECT_TRUE(renamed.walk);
+  EXPECT_EQ(page.wire
+                ->next<service::DeviceSeen>(
+                    [](const service::DeviceSeen& one) { return one.name != "client"; })
+                .name,
+            "Anna's belt");
   const auto told = belt.wire->next<service::PromptMessage>(
       [](const service::PromptMessage& one) { return one.message_id == "watch.by"; });
   EXPECT_THAT(told.text, HasSubstr("client"));

@@ -134,15 +134,17 @@ HttpAnswer answer_authority_file(std::optional<Authority> authority) {
   return answer;
 }
 
-HttpAnswer answer_rename(Access access, Context, const HttpRequest& request,
+HttpAnswer answer_rename(Access access, Context context, const HttpRequest& request,
                          const Placeholders& values) {
   const auto json = json_of(request);
   if (!json) return error_answer(400, json.error().message);
   const auto device = number_of<std::int64_t>(values.at("device"));
   if (!device) return error_answer(404, "there is no such device");
-  const auto renamed = access.rename(*device, text_member(*json, "name"));
+  const std::string name = text_member(*json, "name");
+  const auto renamed = access.rename(*device, name);
   if (!renamed) return error_answer(400, renamed.error().message);
   if (!*renamed) return error_answer(404, fmt::format("there is no device {}", *device));
+  context.renamed(*device, name);
   return json_answer(Json::object());
 }
 

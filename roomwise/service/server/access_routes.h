@@ -23,6 +23,8 @@ struct AccessRoutesContext {
   std::function<std::optional<Authority>()> authority;  // nothing where the home has none
   // The rows of modules ("1011...") of a QR code of a text.
   std::function<std::vector<std::string>(const std::string& text)> qr;
+  std::function<void(std::int64_t device, const std::string& name)> renamed =
+      [](std::int64_t, const std::string&) {};
 };
 
 // GET /api/authority and /authority.crt: what to install so that browsers do not warn.
