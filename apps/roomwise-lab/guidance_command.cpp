@@ -114,6 +114,7 @@ Json to_json(const TrialSummary& summary) {
           {"path_over_shortest", json_or_null(summary.path_ratio)},
           {"path_over_shortest_deviation", json_or_null(summary.path_ratio_deviation)},
           {"hindered", summary.hindered},
+          {"arrived_hindered", summary.arrived_hindered},
           {"without_way", summary.without_way},
           {"not_reachable", summary.not_reachable},
           {"over_stairs", summary.over_stairs},
@@ -152,7 +153,7 @@ struct Times {
 Expected<Times> parse_times(const std::string& name) {
   if (const auto hindrance = trials::parse_hindrance(name)) return Times{.hindrance = *hindrance};
   const auto scenario = simulation::parse_scenario(name);
-  if (!scenario) return fail("{}, person or closed-door", scenario.error().message);
+  if (!scenario) return fail("{}, person, person-goes or closed-door", scenario.error().message);
   return Times{.scenario = *scenario};
 }
 
@@ -191,10 +192,10 @@ std::string text_of(const TrialSummary& summary, const char* what) {
       summary.hindered == 0
           ? ""
           : fmt::format(
-                "in the way      something on {} of {} walks; {} had no other way, of which {} "
-                "were "
-                "told so\n",
-                summary.hindered, summary.goals, summary.without_way, summary.not_reachable);
+                "in the way      something on {} of {} walks; {} of {} arrived; {} had no other "
+                "way, of which {} were told so\n",
+                summary.hindered, summary.goals, summary.arrived_hindered,
+                summary.hindered - summary.without_way, summary.without_way, summary.not_reachable);
   return fmt::format(
       "arrived         {} of {} (SPL {:.2f}); {} were told so and were not there\n"
       "{}"
@@ -243,6 +244,9 @@ Expected<void> check_rendered(const GuidanceOptions& options, const simulation::
   }
   if (options.guide != "session") {
     return fail("--guide {} has no pictures; leave out --rendered", options.guide);
+  }
+  if (options.scenario == "person-goes") {
+    return fail("--scenario person-goes has no pictures; leave out --rendered");
   }
   if (home.storeys.size() > 1) {
     return fail("{}: has {} storeys; --rendered leads over one", options.recording.string(),
@@ -346,7 +350,7 @@ Expected<Answer> run(const GuidanceOptions& options, Context& context) {
   } else {
     ThreadPool pool(context.threads);
     pool.parallel_for(goals.size(), [&](std::size_t i) {
-      walks[i] = trials::lead(map, *grounds[i].home, grounds[i].goal, trial, i);
+      walks[i] = trials::lead(map, *grounds[i].home, grounds[i].goal, trial, i, grounds[i].leaving);
     });
   }
   const TrialSummary summary = trials::summarise(walks);
@@ -420,8 +424,8 @@ void add_guidance_command(CLI::App& app, Context& context) {
   add_setting(*command, "--goals", options.trial.goals.goals, "How many walks", positive());
   add_setting(*command, "--scenario", options.scenario,
               "How the home is when it is walked: day, evening, night, moved or moved-night; by "
-              "day, and on each way person: somebody stands there, or closed-door: a door is shut "
-              "and does not open. The map is made by day");
+              "day, and on each way person: somebody stands there, person-goes: and goes after a "
+              "while, or closed-door: a door is shut and does not open. The map is made by day");
   command->add_option("--scenario-seed", options.scenario_seed, "What is moved; default: --seed")
       ->check(not_negative());
   add_setting(*command, "--faults", options.trial.faults.scale,

@@ -86,6 +86,12 @@ class Walk {
     record_.goal = goal;
   }
 
+  // Somebody out of the way, who is in `home` until then.
+  void let_go(const Leaving& leaving, WalkedHome& home) {
+    leaving_ = &leaving;
+    changes_ = &home;
+  }
+
   [[nodiscard]] GuidedWalk led_by(Leader& leader) {
     double said_s = 0, note_s = 0;
     const auto say = [&](Expected<std::vector<Prompt>> prompts, double now_s) {
@@ -174,8 +180,17 @@ class Walk {
 
  private:
   void step(double now_s) {
+    if (leaving_ != nullptr) go_away(now_s);
     walker_.step(kWalkerStep_s);
     judge_.step(now_s, walker_);
+  }
+
+  void go_away(double now_s) {
+    constexpr double kCameUp_m = 1.5;
+    if (!came_up_s_ && (walker_.place() - leaving_->place).norm() < kCameUp_m) came_up_s_ = now_s;
+    if (!came_up_s_ || now_s - *came_up_s_ < leaving_->after_s) return;
+    *changes_ = *leaving_->then;
+    leaving_ = nullptr;
   }
 
   [[nodiscard]] std::vector<Prompt> list(const GuidedMap& map, const guide::Pose& pose,
@@ -233,6 +248,9 @@ class Walk {
   std::uint64_t walk_;
   Voice voice_;
   GuidedWalk record_;
+  const Leaving* leaving_ = nullptr;
+  WalkedHome* changes_ = nullptr;
+  std::optional<double> came_up_s_;
 };
 
 }  // namespace
@@ -296,15 +314,19 @@ int GuidedWalk::contacts_by_prompt() const {
   return static_cast<int>(std::ranges::count_if(contacts, &Contact::is_by_prompt));
 }
 
-GuidedWalk lead(const GuidedMap& map, const WalkedHome& home, const GuidedGoal& goal,
-                const TrialOptions& options, std::uint64_t walk) {
+GuidedWalk lead(const GuidedMap& map, const WalkedHome& at_first, const GuidedGoal& goal,
+                const TrialOptions& options, std::uint64_t walk,
+                const std::optional<Leaving>& leaving) {
+  WalkedHome home = at_first;  // as it is now
   if (options.guide != Guide::kSession) {
     return Walk(home, goal, options, walk).by_list(map, options.guide == Guide::kList);
   }
   ModelledSight sight(home, options.position, seed_of_walk(options, walk));
   ModelledLeader leader(map.view(), goal.goal, {&catalogue(), options.style}, options.guidance,
                         sight);
-  return lead_by(leader, home, goal, options, walk);
+  Walk led(home, goal, options, walk);
+  if (leaving) led.let_go(*leaving, home);
+  return led.led_by(leader);
 }
 
 GuidedWalk lead_by(Leader& leader, const WalkedHome& home, const GuidedGoal& goal,
@@ -324,6 +346,8 @@ TrialSummary summarise(std::span<const GuidedWalk> walks) {
     ++of_kind.goals;
     of_kind.arrived += walk.arrived() ? 1 : 0;
     summary.hindered += walk.goal.is_hindered ? 1 : 0;
+    const bool has_other_way = walk.goal.is_hindered && walk.goal.is_reachable;
+    summary.arrived_hindered += has_other_way && walk.arrived() ? 1 : 0;
     summary.without_way += walk.goal.is_reachable ? 0 : 1;
     summary.not_reachable += walk.is_told_not_reachable() ? 1 : 0;
     summary.over_stairs += walk.goal.is_over_stairs ? 1 : 0;

@@ -83,7 +83,8 @@ struct GuidedWalk {
 };
 
 [[nodiscard]] GuidedWalk lead(const GuidedMap& map, const WalkedHome& home, const GuidedGoal& goal,
-                              const TrialOptions& options, std::uint64_t walk);
+                              const TrialOptions& options, std::uint64_t walk,
+                              const std::optional<Leaving>& leaving = {});
 // The same person, judged alike, led by anybody.
 [[nodiscard]] GuidedWalk lead_by(Leader& leader, const WalkedHome& home, const GuidedGoal& goal,
                                  const TrialOptions& options, std::uint64_t walk);
@@ -100,6 +101,7 @@ struct TrialSummary {
   std::map<std::string, KindSummary, std::less<>> by_kind;  // of goal; those there are
   std::size_t over_stairs = 0, arrived_over_stairs = 0;     // of goals on another storey
   std::size_t hindered = 0;                                 // something was in the way
+  std::size_t arrived_hindered = 0;                         // where there is another way
   std::size_t without_way = 0, not_reachable = 0;           // no other way; and the guide said so
   std::size_t says_there_wrongly = 0;                       // told so, and is not
   double spl = 0;  // success weighted by path length: mean of arrived * shortest / max(both)

@@ -371,6 +371,7 @@ class HindranceTest : public GuidanceTrialTest {
 
 TEST_F(HindranceTest, HasANameOrIsNone) {
   EXPECT_EQ(parse_hindrance("person"), Hindrance::kPerson);
+  EXPECT_EQ(parse_hindrance("person-goes"), Hindrance::kPersonGoes);
   EXPECT_EQ(parse_hindrance("closed-door"), Hindrance::kClosedDoor);
   EXPECT_FALSE(parse_hindrance("day"));
 }
@@ -387,7 +388,8 @@ TEST_F(HindranceTest, SomebodyStandsOnTheWayAndTheWalkGoesRoundThem) {
   std::size_t seen = 0, arrived = 0;
   const auto grounds = hindered(Hindrance::kPerson, home_);
   for (std::size_t i = 0; i < grounds.size(); ++i) {
-    const auto& [home, goal] = grounds[i];
+    const WalkedHome* const home = grounds[i].home.get();
+    const GuidedGoal& goal = grounds[i].goal;
     if (!goal.is_hindered || !goal.is_reachable) continue;
     ++seen;
     const simulation::PlacedObject* const person = person_in(*home);
@@ -404,6 +406,27 @@ TEST_F(HindranceTest, SomebodyStandsOnTheWayAndTheWalkGoesRoundThem) {
   const auto again = hindered(Hindrance::kPerson, home_);
   EXPECT_EQ(person_in(*again[0].home)->world_from_object.translation,
             person_in(*grounds[0].home)->world_from_object.translation);
+}
+
+TEST_F(HindranceTest, SomebodyWhoGoesIsWaitedFor) {
+  options_.faults.scale = 0;
+  const auto stay = hindered(Hindrance::kPerson, home_);
+  const auto grounds = hindered(Hindrance::kPersonGoes, home_);
+  std::size_t without_way = 0, arrived = 0;
+  for (std::size_t i = 0; i < grounds.size(); ++i) {
+    const auto& [home, goal, leaving] = grounds[i];
+    if (!goal.is_hindered || stay[i].goal.is_reachable) continue;
+    ++without_way;
+    ASSERT_TRUE(leaving);
+    EXPECT_TRUE(goal.is_reachable);
+    EXPECT_EQ(person_in(*home)->world_from_object.translation,
+              person_in(*stay[i].home)->world_from_object.translation);
+    EXPECT_EQ(person_in(*leaving->then), nullptr);
+    EXPECT_FALSE(lead(*map_, *home, goal, options_, i).arrived()) << "while they stay";
+    arrived += lead(*map_, *home, goal, options_, i, leaving).arrived() ? 1 : 0;
+  }
+  EXPECT_GE(without_way, 1u);
+  EXPECT_EQ(arrived, without_way);
 }
 
 TEST_F(HindranceTest, AShutDoorThatIsTheOnlyWayIsToldOfAndCounted) {
@@ -427,6 +450,12 @@ TEST_F(HindranceTest, AShutDoorThatIsTheOnlyWayIsToldOfAndCounted) {
   EXPECT_EQ(summary.without_way, led.size());
   EXPECT_EQ(summary.not_reachable, led.size());
   EXPECT_EQ(summary.arrived, 0u);
+  EXPECT_EQ(summary.arrived_hindered, 0u);
+  std::vector<GuidedWalk> around(3);
+  for (GuidedWalk& walk : around) walk.says_there = walk.is_there = true;
+  around[0].goal.is_hindered = around[1].goal.is_hindered = true;
+  around[1].goal.is_reachable = false;  // squeezed through
+  EXPECT_EQ(summarise(around).arrived_hindered, 1u) << "nothing was in the way of the third";
 }
 
 TEST_F(HindranceTest, WhoGivesUpWasToldNothing) {

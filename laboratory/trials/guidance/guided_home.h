@@ -47,6 +47,13 @@ struct WalkedHome {
   [[nodiscard]] std::string nearest_thing(const Eigen::Vector2d& place) const;
 };
 
+// Somebody who stands in the way goes, so long after who is led came up to them.
+struct Leaving {
+  std::shared_ptr<const WalkedHome> then;
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();
+  double after_s = 0;
+};
+
 // Storeys and stairs of a home, which is planned as the map draws it: side by side.
 [[nodiscard]] fusion::Storeys true_storeys(const simulation::HomeModel& home);
 

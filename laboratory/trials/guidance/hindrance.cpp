@@ -42,12 +42,12 @@ std::vector<OnWay> places_between(const guide::Route& route, double from_ends_m)
 }
 
 // With the shoulders across the way.
-bool put_person(HomeModel& home, const fusion::FloorGrid& floor, const guide::Route& route,
-                RandomStream& random) {
+std::optional<Vector2d> put_person(HomeModel& home, const fusion::FloorGrid& floor,
+                                   const guide::Route& route, RandomStream& random) {
   auto places = places_between(route, kFromEnds_m);
   std::erase_if(places,
                 [&](const OnWay& one) { return !floor.fits(one.place, kPersonsSize_m.x() / 2); });
-  if (places.empty()) return false;
+  if (places.empty()) return std::nullopt;
   const OnWay& at = places[random.index(places.size())];
   simulation::PlacedObject person;
   person.name = person.kind = "person";
@@ -57,7 +57,7 @@ bool put_person(HomeModel& home, const fusion::FloorGrid& floor, const guide::Ro
   person.world_from_object = simulation::upright_pose({at.place.x(), at.place.y(), 0},
                                                       at.heading_rad + std::numbers::pi / 2);
   home.objects.push_back(person);
-  return true;
+  return at.place;
 }
 
 bool shut_door(HomeModel& home, const guide::Route& route, RandomStream& random) {
@@ -79,6 +79,7 @@ bool shut_door(HomeModel& home, const guide::Route& route, RandomStream& random)
 
 std::optional<Hindrance> parse_hindrance(std::string_view name) {
   if (name == "person") return Hindrance::kPerson;
+  if (name == "person-goes") return Hindrance::kPersonGoes;
   if (name == "closed-door") return Hindrance::kClosedDoor;
   return std::nullopt;
 }
@@ -96,12 +97,17 @@ std::vector<WalkGround> hinder(const GuidedMap& map, const std::shared_ptr<const
         guide::plan_way(map.view(), {.pose = start}, goal.goal, options.guidance.plan);
     HomeModel model = home->model;
     RandomStream random(seed_of_walk(options, walk), {0x68696e646572});
-    const bool is_hindered = hindrance == Hindrance::kPerson
-                                 ? put_person(model, home->floor, plan.route, random)
-                                 : shut_door(model, plan.route, random);
-    if (!is_hindered) continue;
+    const bool is_person = hindrance != Hindrance::kClosedDoor;
+    const auto person_at =
+        is_person ? put_person(model, home->floor, plan.route, random) : std::optional<Vector2d>();
+    if (is_person ? !person_at : !shut_door(model, plan.route, random)) continue;
     ground.home = std::make_shared<const WalkedHome>(model);
     ground.goal.is_hindered = true;
+    if (hindrance == Hindrance::kPersonGoes) {
+      constexpr double kSoonest_s = 5, kLatest_s = 30;
+      ground.leaving = Leaving{home, *person_at, random.between(kSoonest_s, kLatest_s)};
+      continue;  // how far it is then is known already
+    }
     const auto shortest_m = shortest_way_m(*ground.home, goal, options.goals);
     ground.goal.is_reachable = shortest_m.has_value();
     ground.goal.shortest_m = shortest_m.value_or(goal.shortest_m);

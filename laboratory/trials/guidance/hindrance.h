@@ -13,15 +13,17 @@ namespace roomwise::trials {
 enum class Hindrance {
   kNone,
   kPerson,      // somebody stands on the way
+  kPersonGoes,  // and goes, some seconds after who is led came up to them
   kClosedDoor,  // a door on the way is shut, and does not open
 };
-// "person" or "closed-door"; nothing for any other name.
+// "person", "person-goes" or "closed-door"; nothing for any other name.
 [[nodiscard]] std::optional<Hindrance> parse_hindrance(std::string_view name);
 
 // A goal in the home as it is on the walk there.
 struct WalkGround {
   std::shared_ptr<const WalkedHome> home;
   GuidedGoal goal;
+  std::optional<Leaving> leaving = {};
 };
 // Puts something in the way that the guide would plan to each goal, by the seed: somebody at least
 // a metre from its ends, or a shut door that it leads through. Where there is no place for it
