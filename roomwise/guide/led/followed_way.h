@@ -62,6 +62,10 @@ class FollowedWay {
   [[nodiscard]] double bearing_error_rad(const Pose& pose) const;
   [[nodiscard]] bool is_off(const Pose& pose) const;
   // It leads to the goal, and its end can be walked to straight from there.
+  // Half a step before it; who was told less than that has to walk half of it.
+  [[nodiscard]] bool is_at_leg_end(const Pose& pose) const {
+    return left_on_leg_m(pose) < (leg().length_m < kLegEnd_m ? leg().length_m / 2 : kLegEnd_m);
+  }
   [[nodiscard]] bool may_keep_leg(const Pose& pose, const BarredFloor& floor) const;
   // To the end of the way.
   [[nodiscard]] double left_m(const Pose& pose) const;

@@ -297,7 +297,7 @@ std::optional<Prompt> Guidance::walking(const Pose& pose) {
   // Who stands may be about to do what they have just heard.
   const bool rests = track_.is_standing() && silent_for_s() > kStandsAfter_s;
   if (has_arrived(pose) && (rests || way_.comes_to_rest(pose))) return arrive(pose);
-  if (way_.left_on_leg_m(pose) < kLegEnd_m) {
+  if (way_.is_at_leg_end(pose)) {
     if (auto prompt = at_leg_end(pose)) return prompt;
     if (state_ != State::kWalking) return std::nullopt;
   }
@@ -794,7 +794,7 @@ Prompt Guidance::answer(GuidanceRequest request) {
   if (state_ == State::kStairs) return say_stairs();  // in the way are the steps themselves
   // To who stands, turns or is past its end, what comes after the leg is not what to do next.
   const bool follows_leg =
-      state_ == State::kWalking && way_.has_legs() && way_.left_on_leg_m(*pose) >= kLegEnd_m;
+      state_ == State::kWalking && way_.has_legs() && !way_.is_at_leg_end(*pose);
   if (request == GuidanceRequest::kNext && follows_leg) {
     const auto phrase = what_comes_next(*pose);
     return phrase ? say(*phrase) : act(*pose);

@@ -10,6 +10,7 @@
 #include "roomwise/guide/testing/drawn_floor.h"
 #include "roomwise/guide/testing/test_times.h"
 #include "roomwise/guide/way/way_phrases.h"
+#include "roomwise/guide/way/legs.h"
 
 namespace roomwise::guide {
 namespace {
@@ -349,6 +350,29 @@ TEST_F(GuidanceTest, WaitsWhileOneStandsAndRemindsOnce) {
 }
 
 TEST_F(GuidanceTest, WhoStandsShortOfTheEndHearsWhatIsLeft) {
+// To where a passage lies ahead it is sometimes less than what counts as at a leg's end.
+TEST_F(GuidanceTest, WhoDoesNotTakeASmallStepIsNotToldItAgainAndAgain) {
+  grid_ = testing::two_rooms()
+              .fill({1, 1}, {10, 20}, FloorCell::kOccupied)
+              .fill({17, 1}, {40, 20}, FloorCell::kOccupied)
+              .grid();
+  has_rooms_ = false;
+  int small_steps = 0;
+  for (double x = 1.0; x < 1.8; x += 0.05) {
+    for (double y = 2.1; y < 2.5; y += 0.05) {
+      FollowedWay way(map(), bed_at({1.35, -0.4}, "bedroom"), {});
+      way.plan_from({.pose = Pose{{x, y}, 0, 0.02}}, BarredFloor(&grid_));
+      if (way.is_last_leg() || way.leg().length_m >= kLegEnd_m) continue;
+      lead_to(bed_at({1.35, -0.4}, "bedroom"), {x, y}, way.leg().heading_rad());
+      const auto said = hear(18);
+      const auto told = std::ranges::count(said, "One small step straight on.");
+      small_steps += static_cast<int>(told);
+      EXPECT_LE(told, 2) << ::testing::PrintToString(said);
+    }
+  }
+  EXPECT_GT(small_steps, 0);
+}
+
   lead_to(bed_at({3.3, 3.3}, "bedroom"), {0.6, 0.6}, kPi / 4);
   (void)hear(8);
   (void)hear(2, 0.6);
