@@ -102,16 +102,28 @@ bool FollowedWay::goes_straight_on() const {
 }
 
 std::optional<Noun> FollowedWay::place_at_end() const {
-  if (is_last_leg() && leads_to_goal()) return goal_.noun;
+  if (ends_at_goal()) return goal_.noun;
   if (leg().ends_at_door()) return Noun{Noun::Kind::kThing, "door"};
   if (const auto room = room_beyond()) return Noun{Noun::Kind::kRoom, *room};
+  const KnownThing* const thing = thing_at_end().first;
+  return thing != nullptr ? std::optional(Noun{Noun::Kind::kThing, thing->name}) : std::nullopt;
+}
+
+std::string FollowedWay::side_at_end() const {
+  const std::string side = thing_at_end().second;
+  return side == "_ahead" ? "" : side;
+}
+
+std::pair<const KnownThing*, std::string> FollowedWay::thing_at_end() const {
+  if (ends_at_goal() || leg().ends_at_door() || room_beyond()) return {};
   const KnownThing* const thing =
       nearest_sure_thing(leg().to, kHand_m + options_.body_radius_m, map_);
-  if (thing == nullptr) return std::nullopt;
-  // Nobody walks to what they have passed by then.
+  if (thing == nullptr) return {};
   const Vector2d touch = outline_of(*thing).nearest_to(leg().to);
-  if (with_side("", touch, {leg().to, leg().heading_rad()}) == "_behind") return std::nullopt;
-  return Noun{Noun::Kind::kThing, thing->name};
+  std::string side = with_side("", touch, {leg().to, leg().heading_rad()});
+  // Nobody walks to what they have passed by then.
+  if (side == "_behind") return {};
+  return {thing, std::move(side)};
 }
 
 std::optional<std::string> FollowedWay::room_beyond() const {

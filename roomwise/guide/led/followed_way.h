@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "roomwise/guide/led/barred_floor.h"
@@ -49,6 +50,8 @@ class FollowedWay {
   [[nodiscard]] bool goes_straight_on() const;
   // What a hand finds at its end, or the room that begins there.
   [[nodiscard]] std::optional<Noun> place_at_end() const;
+  // "_left" or "_right" of who is there, where a thing is named that they stand beside; else "".
+  [[nodiscard]] std::string side_at_end() const;
   // Of an opening that ends it.
   [[nodiscard]] std::optional<std::string> room_beyond() const;
   // Where it ends; of stairs a place over their first step.
@@ -59,13 +62,13 @@ class FollowedWay {
     return (leg().to - pose.position_plan).norm();
   }
   [[nodiscard]] double left_on_leg_m(const Pose& pose) const;
-  [[nodiscard]] double bearing_error_rad(const Pose& pose) const;
-  [[nodiscard]] bool is_off(const Pose& pose) const;
-  // It leads to the goal, and its end can be walked to straight from there.
   // Half a step before it; who was told less than that has to walk half of it.
   [[nodiscard]] bool is_at_leg_end(const Pose& pose) const {
     return left_on_leg_m(pose) < (leg().length_m < kLegEnd_m ? leg().length_m / 2 : kLegEnd_m);
   }
+  [[nodiscard]] double bearing_error_rad(const Pose& pose) const;
+  [[nodiscard]] bool is_off(const Pose& pose) const;
+  // It leads to the goal, and its end can be walked to straight from there.
   [[nodiscard]] bool may_keep_leg(const Pose& pose, const BarredFloor& floor) const;
   // To the end of the way.
   [[nodiscard]] double left_m(const Pose& pose) const;
@@ -93,6 +96,9 @@ class FollowedWay {
 
  private:
   void reach_out();
+  [[nodiscard]] bool ends_at_goal() const { return is_last_leg() && leads_to_goal(); }
+  // What a hand finds there, and on which side; no thing where another place ends it.
+  [[nodiscard]] std::pair<const KnownThing*, std::string> thing_at_end() const;
   void step_clear(const Pose& pose, const BarredFloor& floor);
   [[nodiscard]] bool may_skip_leg(const Pose& pose, const BarredFloor& floor) const;
   [[nodiscard]] bool is_at_goal(const Pose& pose) const;

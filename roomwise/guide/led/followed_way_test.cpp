@@ -70,23 +70,40 @@ TEST_F(FollowedWayTest, WhatStandsInAnotherRoomIsNoLandmark) {
   EXPECT_TRUE(is_named(std::nullopt)) << "where nobody knows of which it is";
 }
 
-TEST_F(FollowedWayTest, NobodyWalksToWhatIsBehindThemAtTheLegsEnd) {
+TEST_F(FollowedWayTest, WhatIsAtTheLegsEndHasASideAndIsNotBehindThem) {
   KnownThing plant;
   plant.name = "plant";
   plant.probability = 0.95;
   plant.box_keyframe.size_m = {0.2, 0.2, 1};
-  const auto is_told = [&](const Vector2d& from_end) {
+  const auto told = [&](const Vector2d& from_end) {
     FollowedWay way({&grid_, &layout_, layout_.doorways(), {&plant, 1}}, kitchen(), {});
     way.plan_from({.pose = Pose{{2.2, 0.6}, 0, 0.02}}, floor_);  // up to a corner, then to the door
     EXPECT_EQ(way.leg().doorway, nullptr);
     const Vector2d place = way.leg().to + from_end.x() * way.leg().along() +
                            from_end.y() * Vector2d(-way.leg().along().y(), way.leg().along().x());
     plant.position_plan = Eigen::Vector3d(place.x(), place.y(), 0.5);
-    return way.place_at_end().has_value();
+    const auto noun = way.place_at_end();
+    return noun ? noun->name + way.side_at_end() : "nothing" + way.side_at_end();
   };
-  EXPECT_TRUE(is_told({0.5, 0}));
-  EXPECT_TRUE(is_told({0, 0.5}));
-  EXPECT_FALSE(is_told({-0.5, 0}));
+  EXPECT_EQ(told({0.5, 0}), "plant");
+  EXPECT_EQ(told({0, 0.5}), "plant_left");
+  EXPECT_EQ(told({0, -0.5}), "plant_right");
+  EXPECT_EQ(told({-0.5, 0}), "nothing");
+}
+
+TEST_F(FollowedWayTest, ADoorAndTheGoalHaveNoSide) {
+  KnownThing plant;
+  plant.name = "plant";
+  plant.probability = 0.95;
+  plant.box_keyframe.size_m = {0.2, 0.2, 1};
+  plant.position_plan = Eigen::Vector3d(3.9, 3.0, 0.5);
+  FollowedWay way({&grid_, &layout_, layout_.doorways(), {&plant, 1}}, kitchen(), {});
+  way.plan_from({.pose = Pose{{1, 3.45}, 0, 0.02}}, floor_);
+  EXPECT_EQ(way.place_at_end()->name, "door");
+  EXPECT_EQ(way.side_at_end(), "");
+  way.take_next_leg();
+  EXPECT_EQ(way.place_at_end()->name, "kitchen");
+  EXPECT_EQ(way.side_at_end(), "");
 }
 
 TEST_F(FollowedWayTest, ToTheLeftIsPositive) {

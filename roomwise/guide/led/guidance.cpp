@@ -267,9 +267,9 @@ Prompt Guidance::act_on_plan(const Pose& pose) {
   }
   // A door's width is told where it is announced: here, where it is too near for that.
   const bool is_too_near = length_m < way_.options().announce_to_m && !way_.is_last_leg();
-  return say(walk_phrase(wording_.distance_to_walk(length_m), is_too_near && leg.ends_at_door()
-                                                                  ? door_noun(*leg.doorway)
-                                                                  : way_.place_at_end()));
+  const auto place =
+      is_too_near && leg.ends_at_door() ? door_noun(*leg.doorway) : way_.place_at_end();
+  return say(walk_phrase(wording_.distance_to_walk(length_m), place, way_.side_at_end()));
 }
 
 std::optional<Prompt> Guidance::turning(const Pose& pose) {
@@ -315,7 +315,7 @@ std::optional<Prompt> Guidance::walking(const Pose& pose) {
   if (auto prompt = keep_on_way(pose)) return prompt;
   if (auto prompt = announce(pose)) return prompt;
   if (silent_for_s() > way_.options().reassure_s || walked_m > way_.options().reassure_m) {
-    return say(more_phrase(left_on_leg(pose), way_.place_at_end()));
+    return say(more_phrase(left_on_leg(pose), way_.place_at_end(), way_.side_at_end()));
   }
   return std::nullopt;
 }

@@ -7,6 +7,7 @@
 
 #include "roomwise/base/random.h"
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/guide/led/led_phrases.h"
 #include "roomwise/guide/testing/drawn_floor.h"
 #include "roomwise/guide/testing/test_times.h"
 #include "roomwise/guide/way/way_phrases.h"
@@ -825,6 +826,20 @@ TEST_F(GoalBearingTest, IsToTheRightOfWhoTurnsToTheLeft) {
   lead_to(bed_at({3, 2}, "bedroom"), {1.2, 2}, 0);
   (void)hear(9);
   ASSERT_TRUE(has_bearing());
+TEST_F(GuidanceTest, WhoStandsOnASpotHasItOnNoSide) {
+  Goal spot;
+  spot.kind = Goal::Kind::kSpot;
+  spot.noun = {Noun::Kind::kThing, "spot"};
+  spot.outline = Outline{{2, 2}};
+  spot.room = "bedroom";
+  lead_to(spot, {2.02, 1.97}, 0.3);
+  EXPECT_EQ(hear(4).back(), "You are there: the spot, right here.");
+  EXPECT_EQ(there_phrase(spot, Pose{{1.6, 2}, 0}).message_id, "guide.there_ahead");
+  spot.kind = Goal::Kind::kThing;
+  EXPECT_EQ(there_phrase(spot, Pose{{2.05, 2}, 0}).message_id, "guide.there_behind")
+      << "of what a hand is at it is told";
+}
+
   const double bearing_rad = guidance_->goal_bearing()->bearing_rad;
   (void)hear(1, 0, 0.5);
   ASSERT_TRUE(has_bearing());

@@ -45,6 +45,9 @@ Phrase there_phrase(const Goal& goal, const Pose& pose) {
   const Eigen::Vector2d touch = goal.kind == Goal::Kind::kDoor
                                     ? goal.outline->middle_plan
                                     : goal.outline->nearest_to(pose.position_plan);
+  // Who stands on it, or between a door's jambs, has it on no side.
+  const bool is_underfoot = !goal.is_solid() && (touch - pose.position_plan).norm() < kLegEnd_m;
+  if (is_underfoot) return {"guide.there_here", {{"goal", Nouns{goal.noun}}}};
   return {with_side("guide.there", touch, pose), {{"goal", Nouns{goal.noun}}}};
 }
 

@@ -70,14 +70,16 @@ std::string stairs_message(const std::string& message, const StairsOnWay& way) {
   return message + (way.is_up ? "_up" : "_down");
 }
 
-Phrase walk_phrase(const std::string& distance, const std::optional<Noun>& place) {
+Phrase walk_phrase(const std::string& distance, const std::optional<Noun>& place,
+                   const std::string& side) {
   if (!place) return {"guide.walk", {{"distance", distance}}};
-  return {"guide.walk_to", {{"distance", distance}, {"place", list_of(*place)}}};
+  return {"guide.walk_to" + side, {{"distance", distance}, {"place", list_of(*place)}}};
 }
 
-Phrase more_phrase(const std::string& distance, const std::optional<Noun>& place) {
+Phrase more_phrase(const std::string& distance, const std::optional<Noun>& place,
+                   const std::string& side) {
   if (!place) return {"guide.more", {{"distance", distance}}};
-  return {"guide.more_to", {{"distance", distance}, {"place", list_of(*place)}}};
+  return {"guide.more_to" + side, {{"distance", distance}, {"place", list_of(*place)}}};
 }
 
 DoorWidth width_of(const rooms::Doorway& door) {

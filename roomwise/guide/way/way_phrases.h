@@ -17,10 +17,12 @@ namespace roomwise::guide {
 [[nodiscard]] Phrase stairs_phrase(const StairsOnWay& way, const Phrasebook& phrases);
 // "stairs.soon" and stairs that one climbs: "stairs.soon_up".
 [[nodiscard]] std::string stairs_message(const std::string& message, const StairsOnWay& way);
-// "Straight on, 4 steps to the door."
-[[nodiscard]] Phrase walk_phrase(const std::string& distance, const std::optional<Noun>& place);
+// "Straight on, 4 steps to the door."; `side` of the place, of who is there: "_left", "_right", "".
+[[nodiscard]] Phrase walk_phrase(const std::string& distance, const std::optional<Noun>& place,
+                                 const std::string& side = "");
 // "Good. 3 steps to the door."
-[[nodiscard]] Phrase more_phrase(const std::string& distance, const std::optional<Noun>& place);
+[[nodiscard]] Phrase more_phrase(const std::string& distance, const std::optional<Noun>& place,
+                                 const std::string& side = "");
 
 // Doors of homes have leaves of 735, 860 or 985 mm (DIN 18101) that leave 0.69, 0.81 or 0.94 m to
 // go through: between the first two a door becomes narrow, beyond the last one wide.

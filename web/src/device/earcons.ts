@@ -41,7 +41,7 @@ const kGuideVibrations: readonly [RegExp, readonly number[]][] = [
   [/^guide\.(turn|turn_hour|little|try)_left$/, [240, 100, 60]],
   [/^guide\.(turn|turn_hour|little|try)_right$/, [60, 100, 240]],
   [/^(guide\.(stop|off|lost)|device\.connection_lost_led$)/, [400, 100, 400]],
-  [/^guide\.there_(ahead|behind|left|right|room)$/, [60, 60, 60, 60, 60, 60, 400]],
+  [/^guide\.there_(ahead|behind|left|right|here|room)$/, [60, 60, 60, 60, 60, 60, 400]],
 ];
 
 export function notesOf(sound: Sound): readonly Note[] {

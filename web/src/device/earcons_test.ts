@@ -39,7 +39,7 @@ test('left, right, stop and arrival feel different from each other and from ever
       'guide.stop_obstacle_ahead', 'guide.stop_thing_left', 'guide.stop_door', 'guide.off', 'guide.lost', 'guide.lost_wait',
       'device.connection_lost_led',
     ],
-    'guide.there_ahead': ['guide.there_left', 'guide.there_room'],
+    'guide.there_ahead': ['guide.there_left', 'guide.there_here', 'guide.there_room'],
   })) {
     messages.forEach((message) => assert.equal(feels(message, 'alert'), feels(like), message));
   }
