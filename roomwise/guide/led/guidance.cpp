@@ -228,6 +228,7 @@ std::optional<Prompt> Guidance::begin(const Pose& pose) {
 }
 
 Prompt Guidance::act(const Pose& pose) {
+  barred_.waits_since_ns.reset();
   plan_from(pose);
   return act_on_plan(pose);
 }
@@ -435,17 +436,15 @@ std::optional<Prompt> Guidance::hazard(const Pose& pose) {
 std::optional<Prompt> Guidance::stopped(const Pose& pose) {
   const bool is_late = silent_for_s() > 2 * kReaction_s;  // then it is told while they walk
   if (!is_late && (!track_.is_standing() || track_.may_turn())) return std::nullopt;
-  auto& waits_since_ns = barred_.waits_since_ns;
-  if (waits_since_ns && seconds_between(*waits_since_ns, now_ns()) < kSameHazard_s) {
-    return std::nullopt;
+  if (barred_.waits_since_ns) {
+    if (auto prompt = waiting(); prompt || barred_.waits_since_ns) return prompt;
   }
-  waits_since_ns.reset();
   // Who comes no further after some tries is led another way, past what is seen there, or told what
   // is left; they are not sent again.
   if (floor_.was_barred_at(pose) && floor_.tries() > kMaxTries) {
     floor_.bar_seen(walker_.obstacles, now_ns());
     Prompt other_way = act(pose);
-    return way_.leads_to_goal() ? other_way : end_of_way();
+    return way_.leads_to_goal() ? other_way : end_barred();
   }
   const bool was_hazard = std::exchange(barred_.by_hazard, false);
   Prompt prompt = act(pose);
@@ -453,11 +452,30 @@ std::optional<Prompt> Guidance::stopped(const Pose& pose) {
   // Not around it, and it may go, as people do: the way of before holds again after a while.
   // What does not go is passed to the freer side, if at all.
   floor_.clear();
-  if (floor_.was_barred_at(pose)) barred_.side_to_try = floor_.freer_side(pose);
+  plan_from(pose);
+  barred_.may_be_somebody = !floor_.was_barred_at(pose);
+  if (!barred_.may_be_somebody) barred_.side_to_try = floor_.freer_side(pose);
   floor_.count_try(pose);
-  waits_since_ns = now_ns();
+  barred_.waits_since_ns = now_ns();
   state_ = State::kStopped;
   return say({"guide.no_way_around"}, Confidence::kUnsure);
+}
+
+// For what is in the way and may go. Who stands there may do so when they are asked: it goes on as
+// soon as a picture shows that the way is free, and for a while is not tried before.
+std::optional<Prompt> Guidance::waiting() {
+  constexpr double kMayGo_s = 20;
+  const double waited_s = seconds_between(*barred_.waits_since_ns, now_ns());
+  if (waited_s < kSameHazard_s) return std::nullopt;
+  const bool is_free =
+      walker_.pose && !is_newly_barred(way_, *walker_.pose, walker_.obstacles, floor_);
+  if (is_free || !barred_.may_be_somebody || waited_s > kMayGo_s) {
+    barred_.waits_since_ns.reset();
+    return std::nullopt;
+  }
+  if (said_.wait) return std::nullopt;
+  said_.wait = true;
+  return say({"guide.wait_or_ask"});
 }
 
 // Who says so stands before what a cane found. It is as broad as a body, or, where no way were left
@@ -481,7 +499,7 @@ Prompt Guidance::blocked(const Pose& pose) {
     if (prompt.priority == Priority::kHazard || (may_try && way_.leads_to_goal())) return prompt;
   }
   // Who comes no further after some tries is told what is left, and is not sent again.
-  if (!may_try) return end_of_way();
+  if (!may_try) return end_barred();
   // Not around it: the map holds again, and they try beside it.
   floor_.clear();
   barred_.side_to_try = floor_.freer_side(pose);
@@ -687,6 +705,11 @@ Prompt Guidance::end_of_way() {
   return say_end(State::kNearest, {"guide.near_end"}, Confidence::kUnsure);
 }
 
+Prompt Guidance::end_barred() {
+  barred_.ends_way = true;
+  return end_of_way();
+}
+
 std::optional<Prompt> Guidance::say_of_goal(Confidence confidence) {
   const std::vector<Phrase> phrases = at_goal_phrases(goal());
   const auto said = static_cast<std::size_t>(said_.of_end);
@@ -699,8 +722,10 @@ std::optional<Prompt> Guidance::say_of_goal(Confidence confidence) {
 // between.
 std::optional<Prompt> Guidance::finish() {
   if (state_ == State::kArrived) return say_of_goal(Confidence::kSure);
-  const int said = said_.of_end++;
-  if (said > 1) return std::nullopt;
+  const int said = said_.of_end++ - (barred_.ends_way ? 1 : 0);
+  if (said < 0) return say({"guide.barred"}, Confidence::kUnsure);
+  // What the map knows is not what stands between where something else does.
+  if (said > (barred_.ends_way ? 0 : 1)) return std::nullopt;
   const Pose* const pose = track_.pose(now_ns());
   const bool knows_both = pose != nullptr && goal().outline;
   if (said == 0 && !plan().rooms.empty()) {
@@ -792,6 +817,9 @@ Prompt Guidance::answer(GuidanceRequest request) {
          {{"goal", Nouns{goal().noun}}, {"distance", wording_.distance(way_.left_m(*pose))}}});
   }
   if (state_ == State::kStairs) return say_stairs();  // in the way are the steps themselves
+  if (course() == Course::kWaits && request != GuidanceRequest::kBlocked) {
+    return say({"guide.no_way_around"}, Confidence::kUnsure);
+  }
   // To who stands, turns or is past its end, what comes after the leg is not what to do next.
   const bool follows_leg =
       state_ == State::kWalking && way_.has_legs() && !way_.is_at_leg_end(*pose);

@@ -138,6 +138,7 @@ class Guidance {
   [[nodiscard]] MaybePrompt announce(const Pose& pose);
   [[nodiscard]] MaybePrompt corner(const Pose& pose);
   [[nodiscard]] MaybePrompt stopped(const Pose& pose);
+  [[nodiscard]] MaybePrompt waiting();
   [[nodiscard]] MaybePrompt on_stairs(const Pose& pose);
   [[nodiscard]] MaybePrompt hazard(const Pose& pose);
   [[nodiscard]] MaybePrompt off_the_way(const Pose& pose);
@@ -159,6 +160,7 @@ class Guidance {
   [[nodiscard]] Prompt arrive_or_stop(const Pose& pose);
   [[nodiscard]] Prompt arrive(const Pose& pose);
   [[nodiscard]] Prompt end_of_way();
+  [[nodiscard]] Prompt end_barred();
   [[nodiscard]] MaybePrompt finish();
   // What is still to be told of it.
   [[nodiscard]] MaybePrompt say_of_goal(Confidence confidence);
@@ -184,6 +186,7 @@ class Guidance {
     int of_beginning = 0, of_end = 0;  // how much
     bool what_comes_next = false;      // after this leg
     bool reminder = false;             // of what to do now
+    bool wait = false;                 // that somebody may be in the way
     std::string end;                   // the words of it
   };
   struct Line {  // of the leg, to which they keep or do not
@@ -195,6 +198,8 @@ class Guidance {
     bool by_hazard = false;                     // just now, on a way that led to the goal
     std::optional<double> side_to_try;          // where there is more room
     std::optional<TimestampNs> waits_since_ns;  // for what is in the way and may go
+    bool may_be_somebody = false;               // that is; it was not tried here before
+    bool ends_way = false;                      // they came no further
   };
   struct Unseen {
     TimestampNs led_since_ns = 0;     // 0: they are not yet

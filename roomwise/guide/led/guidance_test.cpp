@@ -10,8 +10,8 @@
 #include "roomwise/guide/led/led_phrases.h"
 #include "roomwise/guide/testing/drawn_floor.h"
 #include "roomwise/guide/testing/test_times.h"
-#include "roomwise/guide/way/way_phrases.h"
 #include "roomwise/guide/way/legs.h"
+#include "roomwise/guide/way/way_phrases.h"
 
 namespace roomwise::guide {
 namespace {
@@ -350,7 +350,6 @@ TEST_F(GuidanceTest, WaitsWhileOneStandsAndRemindsOnce) {
   EXPECT_EQ(hear(3, 0.3).size(), 1u) << "and goes on with who goes on";
 }
 
-TEST_F(GuidanceTest, WhoStandsShortOfTheEndHearsWhatIsLeft) {
 // To where a passage lies ahead it is sometimes less than what counts as at a leg's end.
 TEST_F(GuidanceTest, WhoDoesNotTakeASmallStepIsNotToldItAgainAndAgain) {
   grid_ = testing::two_rooms()
@@ -374,6 +373,7 @@ TEST_F(GuidanceTest, WhoDoesNotTakeASmallStepIsNotToldItAgainAndAgain) {
   EXPECT_GT(small_steps, 0);
 }
 
+TEST_F(GuidanceTest, WhoStandsShortOfTheEndHearsWhatIsLeft) {
   lead_to(bed_at({3.3, 3.3}, "bedroom"), {0.6, 0.6}, kPi / 4);
   (void)hear(8);
   (void)hear(2, 0.6);
@@ -585,6 +585,45 @@ TEST_F(GuidanceTest, WaitsForWhatStandsWhereThereIsNoWayAround) {
   EXPECT_THAT(hear(8), ::testing::Contains(::testing::StartsWith("Straight on")));
 }
 
+class InACorridor : public GuidanceTest {
+ protected:
+  // Told that there is no way around who stands before them, and waiting.
+  void wait_before_somebody() {
+    grid_ = testing::Floor(140, 8).grid();
+    has_rooms_ = false;
+    lead_to(bed_at({13, 0.4}, "hall"), {0.6, 0.4}, 0);
+    (void)hear(8);
+    (void)hear(0.4, 0.6);
+    obstacle_m_ = 0.8;
+    EXPECT_THAT(hear(4), ElementsAre("Stop. Something is in the way.", "I know no way around it."));
+    EXPECT_EQ(guidance_->course(), Course::kWaits);
+  }
+};
+
+TEST_F(InACorridor, WhoMayGoIsWaitedForAndNobodyIsSentAtThemMeanwhile) {
+  wait_before_somebody();
+  EXPECT_THAT(hear(15), ElementsAre("If somebody stands there, ask to pass."));
+  EXPECT_EQ(guidance_->course(), Course::kWaits);
+  EXPECT_THAT(hear(6), ::testing::Contains(StartsWith("Stop."))) << "it does not wait for ever";
+}
+
+TEST_F(InACorridor, OnceTheWayIsSeenFreeItGoesOn) {
+  wait_before_somebody();
+  (void)hear(8);
+  obstacle_m_.reset();
+  is_seen_ = false;
+  EXPECT_THAT(hear(0.8), IsEmpty()) << "no picture shows it";
+  is_seen_ = true;
+  EXPECT_THAT(hear(0.4), ElementsAre(StartsWith("Straight on")));
+}
+
+TEST_F(InACorridor, WhoAsksWhileTheyWaitHearsWhatFor) {
+  wait_before_somebody();
+  EXPECT_EQ(ask(GuidanceRequest::kRepeat), "I know no way around it.");
+  EXPECT_EQ(ask(GuidanceRequest::kNext), "I know no way around it.");
+  EXPECT_EQ(guidance_->course(), Course::kWaits);
+}
+
 // The walls of a narrow hall are always close, and the plan leads between them.
 TEST_F(GuidanceTest, WhatTheMapKnowsIsPassedWithoutAWord) {
   grid_ = testing::Floor(140, 10).fill({60, 1}, {70, 3}, FloorCell::kOccupied).grid();
@@ -751,6 +790,8 @@ TEST_F(GuidanceTest, WhatNeverGoesIsTriedBesideAndThenTheRestIsTold) {
   EXPECT_EQ(guidance_->state(), State::kNearest) << ::testing::PrintToString(said);
   EXPECT_THAT(said, ::testing::Contains(StartsWith("Try a little to the ")));
   EXPECT_LE(std::ranges::count(said, "I know no way around it."), 5);
+  EXPECT_EQ(hear(3).front(), "Something is in the way here. Ask again later.");
+  EXPECT_THAT(hear(9), ElementsAre(HasSubstr("o'clock"))) << "and nothing of what the map knows";
 }
 
 // Nearer a camera sees one front and no place; from farther away nobody knows how they went.
@@ -783,6 +824,20 @@ TEST_F(GuidanceTest, WhoShouldBeThereAndIsNotIsLedOn) {
   is_seen_ = true;  // and stands where they stood
   EXPECT_THAT(hear(4), ElementsAre(StartsWith("Straight on"))) << "at once";
   EXPECT_FALSE(guidance_->is_over());
+}
+
+TEST_F(GuidanceTest, WhoStandsOnASpotHasItOnNoSide) {
+  Goal spot;
+  spot.kind = Goal::Kind::kSpot;
+  spot.noun = {Noun::Kind::kThing, "spot"};
+  spot.outline = Outline{{2, 2}};
+  spot.room = "bedroom";
+  lead_to(spot, {2.02, 1.97}, 0.3);
+  EXPECT_EQ(hear(4).back(), "You are there: the spot, right here.");
+  EXPECT_EQ(there_phrase(spot, Pose{{1.6, 2}, 0}).message_id, "guide.there_ahead");
+  spot.kind = Goal::Kind::kThing;
+  EXPECT_EQ(there_phrase(spot, Pose{{2.05, 2}, 0}).message_id, "guide.there_behind")
+      << "of what a hand is at it is told";
 }
 
 TEST_F(GuidanceTest, TheLastMetreIsBySideReachAndHeight) {
@@ -826,20 +881,6 @@ TEST_F(GoalBearingTest, IsToTheRightOfWhoTurnsToTheLeft) {
   lead_to(bed_at({3, 2}, "bedroom"), {1.2, 2}, 0);
   (void)hear(9);
   ASSERT_TRUE(has_bearing());
-TEST_F(GuidanceTest, WhoStandsOnASpotHasItOnNoSide) {
-  Goal spot;
-  spot.kind = Goal::Kind::kSpot;
-  spot.noun = {Noun::Kind::kThing, "spot"};
-  spot.outline = Outline{{2, 2}};
-  spot.room = "bedroom";
-  lead_to(spot, {2.02, 1.97}, 0.3);
-  EXPECT_EQ(hear(4).back(), "You are there: the spot, right here.");
-  EXPECT_EQ(there_phrase(spot, Pose{{1.6, 2}, 0}).message_id, "guide.there_ahead");
-  spot.kind = Goal::Kind::kThing;
-  EXPECT_EQ(there_phrase(spot, Pose{{2.05, 2}, 0}).message_id, "guide.there_behind")
-      << "of what a hand is at it is told";
-}
-
   const double bearing_rad = guidance_->goal_bearing()->bearing_rad;
   (void)hear(1, 0, 0.5);
   ASSERT_TRUE(has_bearing());
@@ -1304,7 +1345,8 @@ TEST_F(GuidanceTest, WhoComesNoFurtherIsToldTheRestAndNotSentAgain) {
     EXPECT_THAT(hear(4), IsEmpty()) << "until they have tried";
   }
   EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I know the way no further.");
-  EXPECT_THAT(hear(10), ElementsAre("The kitchen is the next room."));
+  EXPECT_THAT(hear(10), ElementsAre("Something is in the way here. Ask again later.",
+                                    "The kitchen is the next room."));
   EXPECT_EQ(guidance_->state(), State::kNearest);
 }
 

@@ -50,6 +50,13 @@ std::optional<InTheWay> in_the_way(const FollowedWay& way, const Pose& pose,
 
 }  // namespace
 
+bool is_newly_barred(const FollowedWay& way, const Pose& pose, std::span<const Vector2d> obstacles,
+                     const BarredFloor& floor) {
+  if (!way.has_legs() || floor.grid() == nullptr) return false;
+  const auto found = in_the_way(way, pose, obstacles, floor);
+  return found && !found->is_on_map;
+}
+
 ObstacleAhead::Side InTheWay::side_by(const Pose& pose) const {
   std::vector<Vector2d> ahead_left_m;
   for (const Vector2d& one : seen.all) {

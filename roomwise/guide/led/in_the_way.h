@@ -37,6 +37,11 @@ class HazardWatch {
   std::optional<TimestampNs> found_ns_;
 };
 
+// Whether what the map does not know is on the line to the leg's end, also for who does not walk.
+[[nodiscard]] bool is_newly_barred(const FollowedWay& way, const Pose& pose,
+                                   std::span<const Eigen::Vector2d> obstacles,
+                                   const BarredFloor& floor);
+
 constexpr double kSameHazard_s = 4;
 
 }  // namespace roomwise::guide
