@@ -12,6 +12,7 @@
 #include "roomwise/base/file.h"
 #include "roomwise/base/file_descriptor.h"
 #include "roomwise/base/put_in_place.h"
+#include "roomwise/home/writer_lock.h"
 #include "roomwise/live/recording/remove_folder.h"
 #include "roomwise/service/credentials/private_folder.h"
 
@@ -124,6 +125,8 @@ Expected<void> flush(const fs::path& folder) {
 
 Expected<Backup> back_up(const home::Home& home, const fs::path& folder,
                          const BackupOptions& options) {
+  // Another backup into it would take this one's parts for its own.
+  ROOMWISE_TRY(const home::WriterLock lock, home::WriterLock::take(folder));
   if (fs::exists(folder)) return fail("{}: is there; give a new folder", folder.string());
   const fs::path file = home.file(), partial = folder.string() + ".part";
   ROOMWISE_RETURN_IF_ERROR(remove_folder(partial));  // of a backup that was stopped
@@ -144,6 +147,7 @@ Expected<Backup> back_up(const home::Home& home, const fs::path& folder,
 
 Expected<Backup> restore(const fs::path& folder, const fs::path& home) {
   ROOMWISE_TRY(const fs::path source, home_in(folder));
+  ROOMWISE_TRY(const home::WriterLock lock, home::WriterLock::take(home));
   ROOMWISE_RETURN_IF_ERROR(check_free(home));
   ROOMWISE_TRY(const home::Home backed_up, home::Home::open_read_only(source));
   Backup backup;

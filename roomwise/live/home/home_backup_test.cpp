@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "roomwise/home/testing/sample_home.h"
+#include "roomwise/home/writer_lock.h"
 
 namespace roomwise::live {
 namespace {
@@ -82,6 +83,23 @@ TEST_F(HomeBackup, OverwritesNothing) {
   EXPECT_ERROR(restore(backup_, folder_ / "b.home"), "b.home.photos: is there");
   EXPECT_EQ(read_text_file(folder_ / "b.home.photos" / "1.jpg").value(), "of another home");
   EXPECT_EQ(home::Home::open(home_)->content_digest().value(), digest_);
+}
+
+TEST_F(HomeBackup, AnotherIntoTheSameFolderMustWait) {
+  {
+    const auto other = home::WriterLock::take(backup_);
+    ASSERT_OK(other);
+    put(folder_ / "sunday.part" / "a.home", "half of the other's");
+    EXPECT_ERROR(make(home_, backup_), "sunday: in use by another process");
+    EXPECT_EQ(read_text_file(folder_ / "sunday.part" / "a.home").value(), "half of the other's");
+  }
+  ASSERT_OK(make(home_, backup_)) << "what a backup that was stopped left";
+  const fs::path back = folder_ / "back.home";
+  {
+    const auto other = home::WriterLock::take(back);
+    EXPECT_ERROR(restore(backup_, back), "back.home: in use by another process");
+  }
+  EXPECT_OK(restore(backup_, back));
 }
 
 // The log of a home that was moved away would be played into the one that comes.
