@@ -109,6 +109,18 @@ TEST_F(EditCommandsTest, HistoryNamesTheRoomThatTheListNames) {
   EXPECT_EQ(told[0].at("room"), testing::kMadeUpKitchen);
 }
 
+TEST_F(EditCommandsTest, PlacesFarOutsideTheMapAreRefused) {
+  const std::string before = digest();
+  for (const std::vector<std::string>& far : {std::vector<std::string>{"--at", "1e300", "0"},
+                                              {"--at", "0", "-50"},
+                                              {"--at", "0", "0", "--height", "80"}}) {
+    std::vector<std::string> words{"add-thing", "kettle"};
+    words.insert(words.end(), far.begin(), far.end());
+    EXPECT_THAT(failure_of(words), HasSubstr("lies far outside the map; give x from "));
+  }
+  EXPECT_EQ(digest(), before);
+}
+
 TEST_F(EditCommandsTest, AnUndoOfNoChangeChangesNothing) {
   edit({"rename-thing", "table#2", "desk"});
   EXPECT_THAT(failure_of({"undo", "0"}), HasSubstr("has no change 0"));

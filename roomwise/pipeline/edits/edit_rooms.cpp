@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 
+#include "roomwise/pipeline/edits/map_extent.h"
 #include "roomwise/pipeline/edits/room_tables.h"
 #include "roomwise/pipeline/rooms/home_layout.h"
 #include "roomwise/pipeline/rooms/room_contents.h"
@@ -92,7 +93,9 @@ Expected<std::vector<home::EditPlace>> places_of(const home::Home& home,
   std::vector<home::EditPlace> places;
   for (const Vector2d& point : points_plan) {
     if (!point.allFinite()) return fail("a point is not made of finite numbers");
-    const Eigen::Vector3d world = frame.world_from_plan({point.x(), point.y(), 0});
+    const Eigen::Vector3d place_plan(point.x(), point.y(), 0);
+    ROOMWISE_RETURN_IF_ERROR(check_near_map(keyframes, frame, place_plan));
+    const Eigen::Vector3d world = frame.world_from_plan(place_plan);
     ROOMWISE_TRY(
         places.emplace_back(),
         place_in(keyframes, 0, {{Eigen::Quaterniond::Identity(), world}, Eigen::Vector3d::Zero()}));

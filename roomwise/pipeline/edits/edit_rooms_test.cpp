@@ -504,6 +504,10 @@ TEST_F(RoomEdits, ThatChangeNothingOrCannotBeAreRefused) {
   EXPECT_ERROR(draw_room(*home_, kAnna, floor_, "pantry", {{0, 0}, {6, 0}, {6, 2}, {0, 2}}),
                "no floor; join");
   EXPECT_ERROR(add_door(*home_, kAnna, floor_, {"kitchen", "kitchen"}, {3, 1}), "two rooms");
+  EXPECT_ERROR(add_door(*home_, kAnna, floor_, {"kitchen", "bedroom"}, {1e6, 1}),
+               "the place (1e+06, 1), 0 m above the floor, lies far outside the map; give x from");
+  EXPECT_ERROR(draw_room(*home_, kAnna, floor_, "pantry", {{0, 0}, {1e9, 0}, {1, 1}}),
+               "far outside the map");
   EXPECT_ERROR(add_door(*home_, kAnna, floor_, {"kitchen", "attic"}, {3, 1}), "no room 'attic'");
   EXPECT_ERROR(join_rooms(*home_, kAnna, "kitchen", "kitchen"), "to itself");
   EXPECT_ERROR(rename_room(*home_, kAnna, "attic", "loft"), "no room 'attic'");

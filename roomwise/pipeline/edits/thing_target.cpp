@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "roomwise/objects/kinds/kinds.h"
+#include "roomwise/pipeline/edits/map_extent.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"
 
 namespace roomwise::pipeline {
@@ -57,15 +58,16 @@ Expected<ThingTarget> target_of(const home::Home& home, const fusion::GravityAli
   } else {
     ROOMWISE_TRY(point, middle_of_room(home, frame, layout, where.room));
   }
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
   std::optional<Eigen::Vector3d> before_world;
   if (before != nullptr) {
-    ROOMWISE_TRY(const auto keyframes, home.keyframes());
     const home::KeyframePose& pose = keyframes[before->keyframe_id].pose;
     if (pose.component == 0) before_world = before->box_world(pose.world_from_keyframe).center();
   }
   const double height_m = where.height_m ? *where.height_m : height_of(frame, name, before_world);
-  return ThingTarget{frame.world_from_plan(Eigen::Vector3d(point.x(), point.y(), height_m)),
-                     where.room};
+  const Eigen::Vector3d place_plan(point.x(), point.y(), height_m);
+  ROOMWISE_RETURN_IF_ERROR(check_near_map(keyframes, frame, place_plan));
+  return ThingTarget{frame.world_from_plan(place_plan), where.room};
 }
 
 }  // namespace roomwise::pipeline

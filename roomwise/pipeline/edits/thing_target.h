@@ -20,7 +20,8 @@ struct SaidPlace {
 // The point, or the middle of the room: where its floor is widest or, where the map does not show
 // that, where somebody stood in it. Without a height the thing stands as high as before or, new, on
 // the floor where such things do, else on a table of 0.75 m. `layout`: nullptr where it is not
-// known where rooms lie; `before`: nullptr of a new thing. Fails where neither tells a place.
+// known where rooms lie; `before`: nullptr of a new thing. Fails where neither tells a place, and
+// where it lies far outside the map (map_extent.h).
 [[nodiscard]] Expected<ThingTarget> target_of(const home::Home& home,
                                               const fusion::GravityAlignedFrame& frame,
                                               const rooms::RoomLayout* layout,
