@@ -3,8 +3,8 @@
 #include "command_run.h"
 #include "commands.h"
 #include "open_home.h"
-#include "paths.h"
 #include "pose_json.h"
+#include "roomwise/base/shell_word.h"
 #include "roomwise/pipeline/rooms/room_coverage.h"
 #include "walk_words.h"
 

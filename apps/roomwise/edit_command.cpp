@@ -7,7 +7,7 @@
 #include "command_run.h"
 #include "commands.h"
 #include "open_home.h"
-#include "paths.h"
+#include "roomwise/base/shell_word.h"
 #include "roomwise/live/recording/room_photos.h"
 #include "roomwise/pipeline/edits/edit_rooms.h"
 #include "roomwise/pipeline/edits/thing_target.h"

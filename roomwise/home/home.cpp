@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "roomwise/base/put_in_place.h"
+#include "roomwise/base/shell_word.h"
 #include "roomwise/home/content_digest.h"
 #include "roomwise/home/page_checksums.h"
 #include "roomwise/home/schema.h"
@@ -84,10 +85,9 @@ Expected<void> run_check(const Database& database, const std::string& pragma) {
   ROOMWISE_TRY(const std::string answer, database.get<std::string>(pragma));
   if (answer == "ok") return {};
   return fail(
-      "{0}: is damaged ({1}); put back a copy of it, or see what is left of it with: roomwise "
-      "check "
-      "{0}",
-      database.file(), answer.substr(answer.rfind('\n') + 1));
+      "{}: is damaged ({}); put back a copy of it, or see what is left of it with: roomwise "
+      "check {}",
+      database.file(), answer.substr(answer.rfind('\n') + 1), shell_word(database.file()));
 }
 
 Expected<void> check_all_but_images(const Database& database) {

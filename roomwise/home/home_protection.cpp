@@ -1,6 +1,7 @@
 // The part of Home that protects its pictures by a passphrase.
 
 #include "roomwise/base/in_context.h"
+#include "roomwise/base/shell_word.h"
 #include "roomwise/home/home.h"
 #include "roomwise/home/schema.h"
 #include "roomwise/home/stored_values.h"
@@ -43,9 +44,9 @@ Expected<Home> Home::with_protection_state(Home home, const OpenOptions& options
   if (!options.passphrase) return home;
   if (!wrapped) {
     return fail(
-        "{0}: a passphrase was given, but its pictures are not protected; protect them by: "
-        "roomwise protect {0}, or give no passphrase",
-        home.file());
+        "{}: a passphrase was given, but its pictures are not protected; protect them by: "
+        "roomwise protect {}, or give no passphrase",
+        home.file(), shell_word(home.file()));
   }
   ROOMWISE_TRY(auto unwrapped,
                in_context(home.file(), unwrap_cipher(*wrapped, *options.passphrase)));

@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "roomwise/base/shell_word.h"
 #include "roomwise/objects/instances/upright_box.h"
 #include "roomwise/pipeline/objects/stored_detections.h"
 #include "roomwise/pipeline/objects/thing_history.h"
@@ -317,7 +318,7 @@ Expected<HomeUpdate> compare_with_visit(const home::Home& home, const VisitRecor
   ROOMWISE_TRY(const auto components, observed_keyframes(home));
   if (!components.contains(0)) {
     return fail("{}: no detector has looked at this home; let one: roomwise objects find --home {}",
-                home.file(), home.file());
+                home.file(), shell_word(home.file()));
   }
   const objects::GroundPlane level = objects::fit_ground_plane(components.at(0));
   ROOMWISE_TRY(const VisitFrames frames,

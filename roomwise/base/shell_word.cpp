@@ -1,9 +1,9 @@
-#include "paths.h"
+#include "roomwise/base/shell_word.h"
 
 #include <algorithm>
 #include <cctype>
 
-namespace roomwise::app {
+namespace roomwise {
 
 std::string shell_word(const std::filesystem::path& path) {
   const std::string text = path.string();
@@ -17,4 +17,4 @@ std::string shell_word(const std::filesystem::path& path) {
   return quoted + "'";
 }
 
-}  // namespace roomwise::app
+}  // namespace roomwise
