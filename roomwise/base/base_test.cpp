@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
@@ -19,6 +20,7 @@
 #include "roomwise/base/protobuf_reader.h"
 #include "roomwise/base/random.h"
 #include "roomwise/base/scratch_file.h"
+#include "roomwise/base/shell_word.h"
 #include "roomwise/base/simd.h"
 #include "roomwise/base/spread.h"
 #include "roomwise/base/stage_clock.h"
@@ -271,6 +273,10 @@ TEST(File, WritesWholeOrNotAtAll) {
   EXPECT_ERROR(write_file(folder.path(), "x"), folder.path().string());
   EXPECT_ERROR(read_file(folder / "missing"), "missing: cannot be opened");
   EXPECT_ERROR(read_file(folder.path()), "is a folder");
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_ERROR(read_file(folder / "pipe"), "pipe: is a pipe or a device");
+  EXPECT_ERROR(read_text_file("/dev/zero"), "/dev/zero: is a pipe or a device");
+  std::filesystem::remove(folder / "pipe");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
@@ -294,6 +300,13 @@ TEST(File, WritesIntoADeviceInsteadOfReplacingIt) {
   std::filesystem::create_symlink("/dev/null", folder / "device");
   EXPECT_OK(write_file(folder / "device", "x"));
   EXPECT_TRUE(std::filesystem::is_character_file(folder / "device"));
+}
+
+TEST(ShellWord, IsReadBackByAShellAsItWas) {
+  EXPECT_EQ(shell_word("walks/office-1.home"), "walks/office-1.home");
+  EXPECT_EQ(shell_word("my walk"), "'my walk'");
+  EXPECT_EQ(shell_word("Anna's $HOME"), "'Anna'\\''s $HOME'");
+  EXPECT_EQ(shell_word(""), "''");
 }
 
 TEST(File, HashesAsPublished) {

@@ -17,17 +17,21 @@ namespace {
 
 template <typename Container>
 Expected<Container> read_whole(const std::filesystem::path& path) {
-  const FileDescriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  // A pipe that nobody writes would be waited for otherwise.
+  const FileDescriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
   if (file.value < 0) return fail("{}: cannot be opened: {}", path.string(), std::strerror(errno));
   struct stat status {};
   if (::fstat(file.value, &status) != 0) {
     return fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
   }
   if (S_ISDIR(status.st_mode)) return fail("{}: is a folder; expected a file", path.string());
+  if (!S_ISREG(status.st_mode)) {
+    return fail("{}: is a pipe or a device, which may never end; give a file", path.string());
+  }
   Container content(static_cast<std::size_t>(status.st_size), 0);
   std::size_t filled = 0;
   for (;;) {
-    if (filled == content.size()) content.resize(content.size() + 4096);  // pipes, files that grow
+    if (filled == content.size()) content.resize(content.size() + 4096);  // it may grow
     const ssize_t got = ::read(file.value, content.data() + filled, content.size() - filled);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return fail("{}: cannot be read: {}", path.string(), std::strerror(errno));

@@ -14,7 +14,7 @@ namespace roomwise {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// The whole file. Fails, naming it, where it is missing, a folder, or unreadable.
+// The whole file. Fails, naming it, where it is missing, no file, or unreadable.
 [[nodiscard]] Expected<Bytes> read_file(const std::filesystem::path& path);
 [[nodiscard]] Expected<std::string> read_text_file(const std::filesystem::path& path);
 

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "roomwise/base/file.h"
+#include "roomwise/base/shell_word.h"
 #include "roomwise/home/page_checksums.h"
 
 namespace roomwise::home {
@@ -39,9 +40,9 @@ Error describe_error(sqlite3* connection, const std::string& file) {
       system_error != 0 ? std::strerror(system_error) : sqlite3_errmsg(connection);
   if (code == kSqliteChecksumError) {
     return {
-        fmt::format("{0}: is damaged (a page differs from its checksum); put back a copy of it, or "
-                    "see what is left of it with: roomwise check {0}",
-                    file),
+        fmt::format("{}: is damaged (a page differs from its checksum); put back a copy of it, or "
+                    "see what is left of it with: roomwise check {}",
+                    file, shell_word(file)),
         ErrorCode::kDamaged};
   }
   switch (code & 0xff) {
@@ -59,9 +60,9 @@ Error describe_error(sqlite3* connection, const std::string& file) {
                           file),
               ErrorCode::kDamaged};
     case SQLITE_CORRUPT:
-      return {fmt::format("{0}: is damaged ({1}); put back a copy of it, or see what is left of it "
-                          "with: roomwise check {0}",
-                          file, sqlite3_errmsg(connection)),
+      return {fmt::format("{}: is damaged ({}); put back a copy of it, or see what is left of it "
+                          "with: roomwise check {}",
+                          file, sqlite3_errmsg(connection), shell_word(file)),
               ErrorCode::kDamaged};
     case SQLITE_READONLY:
       return {
@@ -148,6 +149,9 @@ Expected<Database> Database::open(const std::filesystem::path& path, Access acce
     return fail("{}: is a folder; expected a home file", path.string());
   }
   if (!std::filesystem::exists(path, ignored)) return fail("{}: no such file", path.string());
+  if (!std::filesystem::is_regular_file(path, ignored)) {
+    return fail("{}: is a pipe or a device; expected a home file", path.string());
+  }
   if (checksum_vfs() == nullptr) return fail("SQLite cannot be made ready on this machine");
   const int flags = access == Access::kReadWrite ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY;
   sqlite3* connection = nullptr;

@@ -163,6 +163,8 @@ TEST_F(DatabaseFile, WhatIsNotThereIsSaid) {
   EXPECT_ERROR(Database::open(folder_ / "none.home", Database::Access::kReadWrite),
                "none.home: no such file");
   EXPECT_ERROR(Database::open(folder_.path(), Database::Access::kReadWrite), "is a folder");
+  EXPECT_ERROR(Database::open("/dev/null", Database::Access::kReadWrite),
+               "/dev/null: is a pipe or a device");
   EXPECT_ERROR(open().run("INSERT INTO nowhere VALUES (1)"), "no such table: nowhere");
 }
 

@@ -97,6 +97,8 @@ Expected<void> take_out_of_picture(const fs::path& path) {
 
 // By its first bytes, however it is called.
 bool is_picture(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) return false;
   constexpr std::size_t kHead = 12;
   std::array<char, kHead> head{};
   std::ifstream(path, std::ios::binary).read(head.data(), kHead);

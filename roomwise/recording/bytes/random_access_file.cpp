@@ -10,7 +10,7 @@
 namespace roomwise::recording {
 
 Expected<RandomAccessFile> RandomAccessFile::open(const std::filesystem::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) return fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
   RandomAccessFile file(path, descriptor, 0);
   struct stat about {};

@@ -1,8 +1,11 @@
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/recording/open_recording.h"
+#include "roomwise/recording/phone/record3d.h"
 #include "roomwise/recording/phone/testing/record3d_writer.h"
+#include "roomwise/recording/phone/zip_unpack.h"
 #include "roomwise/recording/robot/testing/robot_log.h"
 #include "roomwise/recording/sens/testing/sens_writer.h"
 
@@ -27,6 +30,15 @@ TEST(KindsOfFiles, AreToldByTheirContent) {
   EXPECT_THAT(kind_of({4, 0, 0, 0}),
               ::testing::HasSubstr("is no recording of a kind that is read"));
   EXPECT_THAT(kind_of({}), ::testing::HasSubstr("is no recording of a kind that is read"));
+}
+
+// Nobody writes it, so that whoever opened it to read would wait.
+TEST(KindsOfFiles, APipeIsNone) {
+  const roomwise::testing::ScratchFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "walk.r3d").c_str(), 0600), 0);
+  EXPECT_ERROR(open_recording(folder / "walk.r3d"), "is no recording of a kind that is read");
+  EXPECT_ERROR(open_record3d(folder / "walk.r3d", {}), "is no regular file");
+  EXPECT_FALSE(is_zip_file(folder / "walk.r3d"));
 }
 
 }  // namespace

@@ -32,6 +32,10 @@ void ZipFile::Close::operator()(zip* archive) const {
 }
 
 Expected<ZipFile> ZipFile::open(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
+    return fail("{}: is no regular file; give a zip archive", path.string());
+  }
   int code = 0;
   zip_t* archive = zip_open(path.c_str(), ZIP_RDONLY, &code);
   if (archive == nullptr) {

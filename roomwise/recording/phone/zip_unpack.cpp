@@ -205,6 +205,8 @@ Expected<void> UnpackLimits::validate() const {
 }
 
 bool is_zip_file(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) return false;
   std::ifstream in(path, std::ios::binary);
   std::array<char, 4> head{};
   in.read(head.data(), head.size());
