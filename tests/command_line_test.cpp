@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -93,6 +94,30 @@ TEST(CommandLine, WrongUsageIsExitCodeTwo) {
                             "--keyframe-reuse=2", "--keyframe-translation=0", "--object-score=2"}) {
     expect_failure(run_roomwise({"map", "walk", "--home", "a.home", wrong}), 2, "map --help");
   }
+}
+
+TEST(CommandLine, NumbersThatCannotBeAreWrongUsage) {
+  for (const char* wrong : {"1e300", "inf", "nan", "0", "-1", "1000000001"}) {
+    expect_failure(
+        run_roomwise({"rooms", "recognize", "x.png", "--home", "a.home", "--walk", wrong}), 2,
+        "must be positive, and at most 1000000000");
+  }
+  for (const char* wrong : {"1e300", "nan", "-1", "1.5"}) {
+    expect_failure(run_roomwise({"map", "walk", "--home", "a.home", "--keypoints", wrong}), 2,
+                   "--keypoints");
+  }
+  expect_failure(run_roomwise({"eval", "trajectory", "--truth", "a", "--estimate", "b",
+                               "--max-difference", "1e300"}),
+                 2, "--max-difference: Value 1e300 not in range");
+}
+
+TEST(CommandLine, APipeIsNoFile) {
+  const testing::ScratchFolder folder;
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  expect_failure(run_roomwise({"info", pipe}), 1, pipe + ": is a pipe or a device");
+  expect_failure(run_roomwise({"objects", "list", "--home", pipe}), 1,
+                 pipe + ": is a pipe or a device");
 }
 
 TEST(CommandLine, APathThatMayNotBeLookedAtIsToldAsSuch) {

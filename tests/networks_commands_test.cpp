@@ -343,6 +343,16 @@ TEST_F(NetworksCommandsTest, AFileOrAFolderServesToo) {
               HasSubstr("not an https address"));
 }
 
+TEST_F(NetworksCommandsTest, InfoTellsTheFilesDigestAndWhatHomesKnowItBy) {
+  ASSERT_OK(write_file(path("tiny.onnx"), network_));
+  ASSERT_OK(write_file(path("tiny.card.json"),
+                       std::string_view(R"({"input": {"width": 6, "height": 4}})")));
+  const json told = ask({"info", path("tiny.onnx")});
+  EXPECT_EQ(told.at("sha256"), sha256_of(network_));
+  EXPECT_EQ(told.at("fingerprint").get<std::string>().size(), 64U);
+  EXPECT_NE(told.at("fingerprint"), told.at("sha256"));
+}
+
 TEST_F(NetworksCommandsTest, NamesThatMeanNothingAreSaidSo) {
   EXPECT_THAT(run({"networks", "pull", "inception"}).errors, HasSubstr("not in the catalogue"));
   EXPECT_THAT(run({"networks", "info", "inception"}).errors, HasSubstr("no such network"));

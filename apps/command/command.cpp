@@ -1,5 +1,6 @@
 #include "command.h"
 
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <new>
@@ -138,11 +139,14 @@ CLI::App* add_group(CLI::App& parent, const std::string& name, const std::string
 }
 
 CLI::Validator not_negative() {
-  return number_that([](double value) { return value >= 0; }, "must not be negative");
+  return number_that([](double value) { return value >= 0 && std::isfinite(value); },
+                     "must not be negative, and finite");
 }
 
 CLI::Validator positive() {
-  return number_that([](double value) { return value > 0; }, "must be positive");
+  // Seconds are counted in nanoseconds, and nothing that is asked for is more.
+  return number_that([](double value) { return value > 0 && value <= 1e9; },
+                     "must be positive, and at most 1000000000");
 }
 
 int run(CLI::App& app, Context& context, int argc, const char* const* argv) {

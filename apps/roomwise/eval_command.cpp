@@ -102,7 +102,7 @@ void add_eval_commands(CLI::App& app, Context& context) {
   command->add_option("--plot", options.plot,
                       "SVG to draw: truth black, estimate blue, differences red");
   add_setting(*command, "--max-difference", options.max_time_difference_s,
-              "Maximum time difference between the two poses of a pair, s", not_negative());
+              "Maximum time difference between the two poses of a pair, s", CLI::Range(0.0, 1e9));
   add_setting(*command, "--delta", options.delta_s,
               "Time over which the relative error is measured, s", positive());
   add_laboratory_evaluations(*group, context);

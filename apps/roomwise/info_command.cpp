@@ -223,6 +223,15 @@ Expected<Answer> describe_pose_graph(const fs::path& path) {
   return std::move(facts).answer();
 }
 
+// The file's, and where a card of one's own goes into it, what homes know the network by.
+Expected<void> add_digests(const fs::path& path, const std::string& fingerprint, Facts& facts) {
+  ROOMWISE_TRY(const Bytes bytes, read_file(path));
+  const std::string sha256 = sha256_hex(bytes);
+  facts.add("sha256", sha256);
+  if (fingerprint != sha256) facts.add("fingerprint", fingerprint);
+  return {};
+}
+
 Expected<Answer> describe_detector(const fs::path& path) {
   ROOMWISE_TRY(const auto detector, network::Detector::load(path));
   const network::ModelCard& card = detector->card();
@@ -231,7 +240,7 @@ Expected<Answer> describe_detector(const fs::path& path) {
   facts.add("input", fmt::format("{}x{}", card.input_width_px, card.input_height_px));
   facts.add("labels", detector->labels().size());
   facts.add("license", card.license);
-  facts.add("sha256", detector->fingerprint());
+  ROOMWISE_RETURN_IF_ERROR(add_digests(path, detector->fingerprint(), facts));
   return std::move(facts).answer();
 }
 
@@ -266,7 +275,7 @@ Expected<Answer> describe_network(const fs::path& path) {
     facts.add("sha256", how.sha256);
     return std::move(facts).answer();
   }
-  facts.add("sha256", network->fingerprint());
+  ROOMWISE_RETURN_IF_ERROR(add_digests(path, network->fingerprint(), facts));
   return std::move(facts).answer();
 }
 
@@ -299,6 +308,9 @@ Expected<Answer> run(const InfoOptions& options, Context& context) {
   if (!fs::exists(path)) return fail("{}: there is no such file or folder", path.string());
   if (fs::is_directory(path) || recording::find_recording_kind(path) != nullptr) {
     return describe_recording(path);
+  }
+  if (!fs::is_regular_file(path)) {
+    return fail("{}: is a pipe or a device; give a file or a folder", path.string());
   }
   if (path.extension() == ".g2o") return describe_pose_graph(path);
   if (network::has_ending_of_network(path) || network::is_eight_bit_file(path)) {
