@@ -16,7 +16,7 @@ interface Call {
 type Handler = (call: Call) => object | Buffer;
 
 class Refusal extends Error {
-  constructor(readonly status: number, message: string) {
+  constructor(readonly status: number, message: string, readonly key?: string) {
     super(message);
   }
 }
@@ -289,7 +289,7 @@ export function answerApi(
     const parts = (pattern.exec(path) ?? []).slice(1);
     send(response, 200, handler({ server, parts, body, role, response }));
   } catch (error) {
-    send(response, error instanceof Refusal ? error.status : 500, { error: (error as Error).message });
+    send(response, error instanceof Refusal ? error.status : 500, { error: (error as Error).message, ...(error instanceof Refusal && error.key ? { message: error.key } : {}) });
   }
 }
 
@@ -324,7 +324,7 @@ function pair({ server, body, response }: Call): object {
     throw new Refusal(400, "'name' must have 1 to 64 bytes");
   }
   if (secret ? secret !== kSecret : code !== server.state.code) {
-    throw new Refusal(401, 'this code does not hold; ask for a new one');
+    throw new Refusal(401, 'this code does not hold; ask for a new one', 'code_over');
   }
   const role = server.state.codeRole;
   response.setHeader('Set-Cookie', `roomwise=${server.state.pair(role)}; Secure; HttpOnly; SameSite=Strict; Path=/`);

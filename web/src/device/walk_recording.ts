@@ -1,5 +1,5 @@
 // Recording a walk with this phone alone: augmented reality where the browser has it, else words on which app to use.
-import { messageOf, request } from '../shared/api';
+import { request, spokenFailure } from '../shared/api';
 import { at } from '../shared/base';
 import { openDialog } from '../shared/dialog';
 import { h } from '../shared/dom';
@@ -101,7 +101,7 @@ export class WalkRecording {
       await request('POST', '/api/recording', { device, name: nameOfWalk(new Date()) });
     } catch (error) {
       await this.endSession();
-      this.say(`${text('ar.not_begun')} ${messageOf(error)}`, 'alert', 'answer');
+      this.say(`${text('ar.not_begun')} ${spokenFailure(error)}`, 'alert', 'answer');
     }
   }
 
@@ -115,7 +115,7 @@ export class WalkRecording {
       } catch (error) {
         this.waitsForMap = false;
         this.phone.setWaits(true); // it may go on, and can be ended still
-        this.say(messageOf(error), 'alert', 'answer');
+        this.say(spokenFailure(error), 'alert', 'answer');
       }
     }
     await this.endSession();

@@ -1,6 +1,5 @@
 // What a helper does to the home: one request each, its result said once.
 import type { Announcer } from '../shared/announcer';
-import { messageOf } from '../shared/api';
 import type { HelperStore } from './store';
 
 export interface Helper {
@@ -21,7 +20,7 @@ export async function actAndSay(helper: Helper, what: () => Promise<unknown>, do
 
 // For actions without a form: a failure is said instead.
 export function actOrSay(helper: Helper, what: () => Promise<unknown>, done: string): void {
-  actAndSay(helper, what, done).catch((error: unknown) => helper.announcer.say(messageOf(error), 'failed'));
+  actAndSay(helper, what, done).catch((error: unknown) => helper.announcer.say(error, 'failed'));
 }
 
 // What walks show of their pictures is on its way.

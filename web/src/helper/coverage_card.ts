@@ -1,5 +1,5 @@
 // What the walks have not shown yet: a list by rooms, and the plan with its numbers.
-import { ApiError, messageOf, request } from '../shared/api';
+import { ApiError, request, showWhy } from '../shared/api';
 import { h, replaceChildren, type Child } from '../shared/dom';
 import type { Coverage } from '../shared/protocol';
 import { svg } from '../shared/svg';
@@ -24,7 +24,9 @@ export function coverageCard({ store }: Helper): HTMLElement {
       children = view(await request<Coverage>('GET', '/api/coverage'));
     } catch (error) {
       const isSoon = error instanceof ApiError && error.status === 503;
-      children = [h('p', { class: 'hint' }, isSoon ? text('coverage.not_ready') : messageOf(error))];
+      const words = h('p', { class: 'hint' });
+      showWhy(words, isSoon ? text('coverage.not_ready') : error);
+      children = [words];
       if (isSoon) {
         setTimeout(() => mine === asked && void show(), kAgainMs);
       }

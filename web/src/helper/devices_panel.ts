@@ -1,5 +1,5 @@
 // Who is connected, who may connect.
-import { messageOf, request } from '../shared/api';
+import { request, showWhy } from '../shared/api';
 import { openDialog } from '../shared/dialog';
 import { h, replaceChildren, setText } from '../shared/dom';
 import { radioField, textField } from '../shared/forms';
@@ -90,7 +90,7 @@ function pairCard(helper: Helper): HTMLElement {
     try {
       showCode(helper, await request<PairingCode>('POST', '/api/codes', { role }));
     } catch (error) {
-      failure.textContent = messageOf(error);
+      showWhy(failure, error);
     }
   };
   return card(text('devices.pair'),

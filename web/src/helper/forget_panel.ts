@@ -1,6 +1,6 @@
 // Forgetting a room or a walk, with a way back until they are erased, or everything, which is confirmed by typing the
 // home's name.
-import { ApiError, messageOf, request } from '../shared/api';
+import { ApiError, request } from '../shared/api';
 import { h } from '../shared/dom';
 import { selectField, textField, type Field } from '../shared/forms';
 import { text } from '../shared/texts';
@@ -58,7 +58,7 @@ function forgetCard(helper: Helper, options: Forgetting): HTMLElement {
     h('div', { class: 'row' }, h('button', { type: 'submit', class: 'danger' }, options.button)));
   form.addEventListener('submit', (event) => {
     event.preventDefault();
-    forget().catch((error: unknown) => (options.choice ?? really).fail(messageOf(error)));
+    forget().catch((error: unknown) => (options.choice ?? really).fail(error));
   });
 
   async function forget(): Promise<void> {

@@ -1,6 +1,6 @@
 // The helper's page.
 import { Announcer } from '../shared/announcer';
-import { ApiError, messageOf, request, whenSilent } from '../shared/api';
+import { ApiError, request, showWhy, whenSilent } from '../shared/api';
 import { at } from '../shared/base';
 import { browserSession } from '../shared/browser_session';
 import { byId, h, replaceChildren } from '../shared/dom';
@@ -95,9 +95,11 @@ async function open(me: Me): Promise<void> {
 }
 
 function showFailure(error: unknown): void {
+  const why = h('p', { role: 'alert' });
+  showWhy(why, error);
   replaceChildren(page,
     h('main', { class: 'failure' },
       h('h1', {}, 'Roomwise'),
-      h('p', { role: 'alert' }, messageOf(error)),
+      why,
       h('button', { type: 'button', class: 'primary', onclick: () => location.reload() }, text('helper.again'))));
 }

@@ -1,5 +1,5 @@
 // Naming rooms on a walk: choose the first and last picture, give a name.
-import { messageOf, request } from '../shared/api';
+import { request } from '../shared/api';
 import { h, newId } from '../shared/dom';
 import { textField } from '../shared/forms';
 import type { Keyframe, Recording, RoomRange } from '../shared/protocol';
@@ -52,7 +52,7 @@ export function namingView(helper: Helper): NamingView {
   }
   form.addEventListener('submit', (event) => {
     event.preventDefault();
-    save().catch((error: unknown) => room.fail(messageOf(error)));
+    save().catch((error: unknown) => room.fail(error));
   });
 
   async function save(): Promise<void> {

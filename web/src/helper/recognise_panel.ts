@@ -1,5 +1,5 @@
 // Learning the rooms, trying a picture, and what was recognised of late.
-import { messageOf, request } from '../shared/api';
+import { request } from '../shared/api';
 import { at } from '../shared/base';
 import { h, replaceChildren } from '../shared/dom';
 import { textField } from '../shared/forms';
@@ -39,7 +39,7 @@ function testCard(helper: Helper): HTMLElement {
     h('div', { class: 'row' }, h('button', { type: 'submit', class: 'primary' }, text('test.go'))));
   form.addEventListener('submit', (event) => {
     event.preventDefault();
-    tryPicture().catch((error: unknown) => file.fail(messageOf(error)));
+    tryPicture().catch((error: unknown) => file.fail(error));
   });
 
   async function tryPicture(): Promise<void> {

@@ -1,5 +1,5 @@
 // Recording a walk with a connected device.
-import { messageOf, request } from '../shared/api';
+import { request } from '../shared/api';
 import { at } from '../shared/base';
 import { h } from '../shared/dom';
 import { selectField, textField } from '../shared/forms';
@@ -21,7 +21,7 @@ export function recordCard(helper: Helper, me: Me): HTMLElement {
   const form = h('form', { novalidate: true, class: 'form columns' }, device.element, name.element, h('div', { class: 'row' }, start, stop));
   form.addEventListener('submit', (event) => {
     event.preventDefault();
-    startNow().catch((error: unknown) => device.fail(messageOf(error)));
+    startNow().catch((error: unknown) => device.fail(error));
   });
 
   async function startNow(): Promise<void> {

@@ -26,15 +26,17 @@ export class HelperStore {
   readonly state: HelperState = {
     home: null, keyframes: [], plan: { rooms: [], doors: [] }, edits: [], devices: [], recognitions: [], job: null, recording: null, seen: new Map(), watched: new Map(), online: false,
   };
-  private readonly listeners: { topics: readonly Topic[]; run: () => void }[] = [];
+  private listeners: { topics: readonly Topic[]; run: () => void }[] = [];
   private jobsTold = 0; // by the socket
   private homesAsked = 0;
   private homeShown = 0; // which of those that were asked for
 
-  // `run` at once, and whenever one of the topics changed.
-  watch(topics: readonly Topic[], run: () => void): void {
-    this.listeners.push({ topics, run });
+  // `run` at once, and whenever one of the topics changed, until the function that is returned is called.
+  watch(topics: readonly Topic[], run: () => void): () => void {
+    const listener = { topics, run };
+    this.listeners.push(listener);
     run();
+    return () => (this.listeners = this.listeners.filter((one) => one !== listener));
   }
 
   // Answers may come in another order than they were asked for: an older one changes nothing.

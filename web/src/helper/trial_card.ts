@@ -1,6 +1,6 @@
 // Asking a question as the person would: from a place on the plan, in one's own words. What they would hear stands there
 // as text, the way as a line on the plan and in words.
-import { messageOf, request } from '../shared/api';
+import { request } from '../shared/api';
 import { h, replaceChildren } from '../shared/dom';
 import { textField } from '../shared/forms';
 import type { Point, Trial } from '../shared/protocol';
@@ -37,7 +37,7 @@ export function trialCard(helper: Helper): HTMLElement {
 
   form.addEventListener('submit', (event) => {
     event.preventDefault();
-    ask().catch((error: unknown) => question.fail(messageOf(error)));
+    ask().catch((error: unknown) => question.fail(error));
   });
 
   async function ask(): Promise<void> {

@@ -1,5 +1,5 @@
 // Handing in what an app recorded: a file that is sent in pieces, then unpacked and mapped.
-import { messageOf, request } from '../shared/api';
+import { request } from '../shared/api';
 import { h, setText } from '../shared/dom';
 import { textField } from '../shared/forms';
 import { formatNumber, formatPercent, text } from '../shared/texts';
@@ -23,7 +23,7 @@ export function uploadCard(helper: Helper): HTMLElement {
   const form = h('form', { novalidate: true, class: 'form' }, file.element, h('div', { class: 'row' }, send, stopButton));
   form.addEventListener('submit', (event) => {
     event.preventDefault();
-    sendFile().catch((error: unknown) => file.fail(messageOf(error)));
+    sendFile().catch((error: unknown) => file.fail(error));
   });
 
   async function sendFile(): Promise<void> {
@@ -97,7 +97,7 @@ export function uploadCard(helper: Helper): HTMLElement {
     }, text(`upload.${what}`));
     const remove = button('remove', () => actOrSay(helper,
       () => request('DELETE', `/api/uploads/${upload}`).then(showWaiting), text('upload.removed', { name })));
-    const map = button('map', () => void mapIt(upload).catch((error: unknown) => helper.announcer.say(messageOf(error), 'failed')));
+    const map = button('map', () => void mapIt(upload).catch((error: unknown) => helper.announcer.say(error, 'failed')));
     return {
       element: h('li', {}, state, map, remove),
       show: ({ offset, bytes, is_being_mapped: isBeingMapped = false }) => {

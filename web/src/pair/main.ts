@@ -1,6 +1,6 @@
 // The pairing page: six digits and a name. In their place a secret may come in the address, behind #, where no server
 // sees it.
-import { ApiError, messageOf, request } from '../shared/api';
+import { ApiError, request, showWhy } from '../shared/api';
 import { at } from '../shared/base';
 import { byId, h, replaceChildren } from '../shared/dom';
 import { textField } from '../shared/forms';
@@ -66,9 +66,9 @@ async function pair(): Promise<void> {
   } catch (error) {
     const field = error instanceof ApiError ? fieldOf(error.status, error.message) : null;
     if (field && !(secret && field === 'code')) {
-      (field === 'code' ? code : name).fail(messageOf(error));
+      (field === 'code' ? code : name).fail(error);
     } else {
-      failure.textContent = messageOf(error);
+      showWhy(failure, error);
     }
   } finally {
     submit.removeAttribute('aria-disabled');

@@ -1,4 +1,5 @@
 // Says the result of an action once: shown at the foot of the page, and read politely by a screen reader.
+import { showWhy } from './api';
 import { h } from './dom';
 import { icon } from './icons';
 import { text } from './texts';
@@ -21,10 +22,12 @@ export class Announcer {
     this.close.hidden = true;
   }
 
-  // A new element each time: so the same words twice are read twice.
-  say(words: string, kind: 'done' | 'failed' = 'done'): void {
+  // Words or an error. A new element each time: so the same words twice are read twice.
+  say(what: unknown, kind: 'done' | 'failed' = 'done'): void {
     this.clear();
-    this.said.append(h('p', { class: `announcement ${kind}` }, words));
+    const shown = h('p', { class: `announcement ${kind}` });
+    showWhy(shown, what);
+    this.said.append(shown);
     this.close.hidden = false;
     this.uncoverSoon();
   }

@@ -1,11 +1,12 @@
 // Requests to the home's computer. Whatever goes wrong is an ApiError whose message can be shown.
 import { at } from './base';
-import { text } from './texts';
+import { counted, language, text, type TextKey } from './texts';
 
 export class ApiError extends Error {
   constructor(
     readonly status: number, // 0: the computer was not reached
     message: string,
+    readonly isEnglish = false, // the computer's own words, for which the pages have none
   ) {
     super(message);
   }
@@ -41,7 +42,7 @@ async function send<Answer>(
     if (response.ok) {
       return await read(response);
     }
-    refusal = new ApiError(response.status, await reason(response));
+    refusal = await refusalOf(response);
   } catch {
     throw new ApiError(0, text('error.not_reached'));
   } finally {
@@ -80,16 +81,29 @@ async function isThere(): Promise<boolean> {
   }
 }
 
-async function reason(response: Response): Promise<string> {
+const kRefusals: Record<string, TextKey> = {
+  code_over: 'error.code_over', link_over: 'error.link_over', many_requests: 'error.many_requests', not_paired: 'error.not_paired',
+  not_for_role: 'error.not_for_role', later: 'error.later', fault: 'error.fault',
+};
+
+async function refusalOf(response: Response): Promise<ApiError> {
+  const { status } = response;
   try {
-    const body = (await response.json()) as { error?: unknown };
-    if (typeof body.error === 'string') {
-      return body.error;
+    const { error, message } = (await response.json()) as { error?: unknown; message?: unknown };
+    const key = kRefusals[String(message)];
+    if (key !== undefined) {
+      return new ApiError(status, text(key));
+    }
+    if (message === 'many_codes') {
+      return new ApiError(status, counted('error.many_codes', Number(response.headers.get('Retry-After'))));
+    }
+    if (typeof error === 'string') {
+      return new ApiError(status, error, true);
     }
   } catch {
     // No JSON: the status must do.
   }
-  return text('error.status', { status: response.status });
+  return new ApiError(status, text('error.status', { status }));
 }
 
 export async function request<Answer>(
@@ -107,4 +121,20 @@ export function requestBytes(path: string): Promise<ArrayBuffer> {
 
 export function messageOf(error: unknown): string {
   return error instanceof Error ? error.message : String(error);
+}
+
+// Shows what went wrong, in the language in which it is to be read.
+export function showWhy(element: HTMLElement, error: unknown): void {
+  if (error instanceof ApiError && error.isEnglish) {
+    element.lang = 'en';
+  } else {
+    element.removeAttribute('lang');
+  }
+  element.textContent = messageOf(error);
+}
+
+// To be spoken: a voice speaks one language.
+export function spokenFailure(error: unknown): string {
+  const isForeign = error instanceof ApiError && error.isEnglish && language() !== 'en';
+  return isForeign ? text('error.status', { status: error.status }) : messageOf(error);
 }

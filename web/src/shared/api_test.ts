@@ -1,7 +1,8 @@
 import assert from 'node:assert/strict';
 import { test, type TestContext } from 'node:test';
 
-import { ApiError, request, whenSilent } from './api';
+import { ApiError, request, spokenFailure, whenSilent } from './api';
+import { setLanguage } from './texts';
 
 // A computer that answers what `answers` lets it, and timers that run when the test says so.
 function makeComputer(context: TestContext, answers: (path: string) => boolean) {
@@ -66,4 +67,27 @@ test('an answer that comes while the computer is looked for is taken', async (co
   runNewest(computer.timers);
   await settled();
   assert.equal(computer.silences, 0);
+});
+
+test('what the pages have words for is told in their language, the rest in the English of the computer', async (context) => {
+  const computer = makeComputer(context, () => false);
+  setLanguage('de');
+  context.after(() => setLanguage('en'));
+  const refused = async (status: number, body: object, headers: Record<string, string> = {}): Promise<ApiError> => {
+    const asked = request('POST', '/api/pair', {}).then(() => assert.fail('it was refused'), (error: unknown) => error as ApiError);
+    computer.given.get('/api/pair')?.(new Response(JSON.stringify(body), { status, headers }));
+    return asked;
+  };
+  const over = await refused(401, { error: 'the code is wrong', message: 'code_over' });
+  assert.equal(over.message, 'Der Code ist falsch oder gilt nicht mehr. Lassen Sie sich einen neuen geben.');
+  assert.equal(over.isEnglish, false);
+  const many = await refused(429, { error: 'too many wrong codes', message: 'many_codes' }, { 'Retry-After': '30' });
+  assert.match(many.message, /Warten Sie 30 Sekunden/);
+  const other = await refused(409, { error: "there is a room 'hall' already", message: 'unheard_of' });
+  assert.equal(other.message, "there is a room 'hall' already");
+  assert.equal(other.isEnglish, true);
+  assert.equal(spokenFailure(other), 'Der Computer der Wohnung hat abgelehnt (409).', 'a German voice speaks no English');
+  assert.equal(spokenFailure(many), many.message);
+  setLanguage('en');
+  assert.equal(spokenFailure(other), other.message);
 });

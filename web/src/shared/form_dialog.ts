@@ -1,6 +1,6 @@
 // A dialog that is a form: fields, one button that does it. It closes when that worked.
-import { messageOf } from './api';
-import { openDialog } from './dialog';
+import { showWhy } from './api';
+import { openDialog, type OpenDialog } from './dialog';
 import { h } from './dom';
 import type { Field } from './forms';
 import { text } from './texts';
@@ -17,7 +17,7 @@ export interface FormDialog {
   run: () => Promise<() => void>; // gives what says that it is done
 }
 
-export function openFormDialog(options: FormDialog): void {
+export function openFormDialog(options: FormDialog, closed: () => void = () => undefined): OpenDialog {
   const failure = h('p', { class: 'form-error', role: 'alert' });
   const button = h('button', { type: 'submit', class: options.dangerous ? 'danger' : 'primary' }, options.submit);
   const cancel = h('button', { type: 'button', onclick: () => dialog.close() }, text('dialog.cancel'));
@@ -32,7 +32,8 @@ export function openFormDialog(options: FormDialog): void {
     void submit();
   });
   options.fields[0]?.input.setAttribute('autofocus', '');
-  const dialog = openDialog(options.title, [form]);
+  const dialog = openDialog(options.title, [form], closed);
+  return dialog;
 
   async function submit(): Promise<void> {
     options.fields.forEach((field) => field.clear());
@@ -48,9 +49,9 @@ export function openFormDialog(options: FormDialog): void {
     } catch (error) {
       const field = options.fields[0];
       if (field) {
-        field.fail(messageOf(error));
+        field.fail(error);
       } else {
-        failure.textContent = messageOf(error);
+        showWhy(failure, error);
       }
     } finally {
       button.removeAttribute('aria-disabled');

@@ -1,11 +1,12 @@
 // Fields with a label, a hint and an error beside them that is read when it comes.
+import { showWhy } from './api';
 import { h, newId, type Attributes } from './dom';
 
 export interface Field {
   element: HTMLElement;
   input: HTMLInputElement | HTMLSelectElement;
   value: () => string;
-  fail: (message: string) => void; // shows it, and goes there
+  fail: (why: unknown) => void; // words or an error: shows it, and goes there
   clear: () => void;
 }
 
@@ -60,8 +61,8 @@ function field(label: string, input: HTMLInputElement | HTMLSelectElement, optio
     element,
     input,
     value: () => input.value.trim(),
-    fail: (message) => {
-      error.textContent = message;
+    fail: (why) => {
+      showWhy(error, why);
       input.setAttribute('aria-invalid', 'true');
       describe(errorId);
       input.focus();

@@ -1,5 +1,5 @@
 // Where the staff of who keeps many homes sign in, and find those that they may open.
-import { ApiError, messageOf, request } from '../shared/api';
+import { ApiError, messageOf, request, showWhy } from '../shared/api';
 import { byId, h, replaceChildren } from '../shared/dom';
 import { textField } from '../shared/forms';
 import type { Role } from '../shared/protocol';
@@ -71,7 +71,7 @@ function showHomes(staff: Staff, moves: boolean): void {
   leave.addEventListener('click', () => {
     request('POST', '/api/staff/sign-out', {}).then(
       () => showSignIn(''),
-      (error: unknown) => (failure.textContent = messageOf(error)),
+      (error: unknown) => showWhy(failure, error),
     );
   });
   const list = h('ul', { class: 'homes' }, ...staff.homes.map((home) => {

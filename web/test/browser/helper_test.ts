@@ -39,7 +39,7 @@ test('pairing a device: a code on one page, typed on the other, by keyboard alon
   await heardOnce(device, 'The code has six digits');
   await retype(device, '271828');
   await device.page.keyboard.press('Enter');
-  await heardOnce(device, 'this code does not hold');
+  await heardOnce(device, 'The code is wrong or no longer valid. Ask for a new one.');
   await retype(device, '314 159');
   await device.tabTo('Name of this device');
   await retype(device, 'ü'.repeat(40));
@@ -77,7 +77,7 @@ test('a link needs no digits, and says so where it is over', options, () => with
   assert.equal(await visit.focused(), 'Pair');
   assert.equal(await visit.page.$('.code'), null);
   await visit.page.keyboard.press('Enter');
-  await visit.sees('this code does not hold');
+  await visit.sees('The code is wrong or no longer valid.');
   await visit.go(`/pair#${kSecret}`); // the page is open already
   await visit.sees('Opened from the code');
   await visit.page.keyboard.press('Enter');
@@ -148,11 +148,45 @@ test('renaming a room, what is wrong beside its field, and deleting it', options
   await visit.page.keyboard.press('Enter');
   await heardOnce(visit, 'The room cookery is saved.');
   await visit.sees('cookery', 'h3');
+  assert.equal(await visit.focused(), 'Edit cookery', 'its button was drawn anew');
   await gets(() => server.state.requests.at(-1), 'PUT /api/rooms/kitchen {"name":"cookery"}');
   await visit.press('Delete cookery');
   await visit.press('Delete');
   await heardOnce(visit, 'The room cookery is deleted.');
   await visit.sees('3 rooms, 10 things');
+  await visit.close();
+}));
+
+test('what the computer refuses in its own words is read as English', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper', before: () => localStorage.setItem('roomwise.language', 'de') });
+  await visit.go('/');
+  await visit.press('Ändern kitchen');
+  await retype(visit, 'bedroom');
+  await visit.page.keyboard.press('Enter');
+  await visit.sees("there is a room 'bedroom' already", '[role=alert][lang=en]');
+  await retype(visit, '');
+  await visit.page.keyboard.press('Backspace');
+  await visit.page.keyboard.press('Enter');
+  await visit.sees('Geben Sie dem Raum einen Namen.', '[role=alert]:not([lang])');
+  await visit.close();
+}));
+
+test('a dialog on a room that another helper renames meanwhile is closed with a sentence', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/');
+  await visit.sees('Connected', '.chip');
+  await visit.press('Edit kitchen');
+  await visit.sees('Edit kitchen', 'dialog h2');
+  const other = await openVisit(server, { role: 'helper' });
+  await other.go('/');
+  await other.press('Edit kitchen');
+  await retype(other, 'cookery');
+  await other.page.keyboard.press('Enter');
+  await heardOnce(visit, 'The room kitchen was renamed or removed by somebody else meanwhile.');
+  assert.equal(await visit.page.$('dialog'), null);
+  await heardOnce(other, 'The room cookery is saved.');
+  assert.ok(!(await other.announced()).some((one) => one.includes('meanwhile')), 'who does it is not told so');
+  await other.close();
   await visit.close();
 }));
 

@@ -1,5 +1,4 @@
 // The newest change with its undo, and all that were made.
-import { messageOf } from '../../shared/api';
 import { h, type Child } from '../../shared/dom';
 import type { Edit } from '../../shared/protocol';
 import { language, text } from '../../shared/texts';
@@ -38,7 +37,7 @@ function undoButton(helper: Helper, edit: Edit, label: string, key: string, name
   const run = (): void => {
     undoEdit(helper, edit).catch(async (error: unknown) => {
       await helper.store.refreshHome().catch(() => undefined); // another helper changed something meanwhile
-      helper.announcer.say(messageOf(error), 'failed');
+      helper.announcer.say(error, 'failed');
     });
   };
   return h('button', { type: 'button', class: 'small', 'data-key': key, 'aria-label': name, onclick: run }, label);

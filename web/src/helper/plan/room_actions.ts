@@ -4,7 +4,7 @@ import type { Home, Room } from '../../shared/protocol';
 import { text } from '../../shared/texts';
 import type { Helper } from '../actions';
 import { openFormDialog, required } from '../../shared/form_dialog';
-import { editRoom, removeRoom } from '../room_dialogs';
+import { editRoom, openRoomDialog, removeRoom } from '../room_dialogs';
 import { makeEdit } from './edits';
 import { lineWithLeft } from './plan_geometry';
 import { pointPicker } from './point_picker';
@@ -37,7 +37,7 @@ const otherRooms = (helper: Helper, home: Home, room: Room): { value: string; la
 
 function joinRoom(helper: Helper, home: Home, room: Room): void {
   const other = selectField(text('room.join_with'), otherRooms(helper, home, room));
-  openFormDialog({
+  openRoomDialog(helper, room.name, {
     title: text('room.join_title', { room: room.name }),
     explain: text('room.join_explain', { room: room.name }),
     fields: [other],
@@ -49,7 +49,7 @@ function joinRoom(helper: Helper, home: Home, room: Room): void {
 function divideRoom(helper: Helper, home: Home, room: Room): void {
   const name = textField(text('room.new_name'), { hint: text('room.divide_hint'), attributes: { maxlength: 60 } });
   const line = pointPicker(helper.store.state.plan, home, { label: text('room.divide_line'), most: 3, shape: 'line', start: room.middle });
-  openFormDialog({
+  openRoomDialog(helper, room.name, {
     title: text('room.divide_title', { room: room.name }),
     explain: text('room.divide_explain'),
     fields: [name], extra: [line.element],
@@ -62,7 +62,7 @@ function divideRoom(helper: Helper, home: Home, room: Room): void {
 function moveBorder(helper: Helper, home: Home, room: Room): void {
   const other = selectField(text('room.border_with'), otherRooms(helper, home, room));
   const line = pointPicker(helper.store.state.plan, home, { label: text('room.border_line', { room: room.name }), most: 3, shape: 'line', start: room.middle });
-  openFormDialog({
+  openRoomDialog(helper, room.name, {
     title: text('room.border_title', { room: room.name }),
     explain: text('room.border_explain', { room: room.name }),
     fields: [other], extra: [line.element],
@@ -75,7 +75,7 @@ function moveBorder(helper: Helper, home: Home, room: Room): void {
 function addDoor(helper: Helper, home: Home, room: Room): void {
   const other = selectField(text('room.door_to'), otherRooms(helper, home, room));
   const at = pointPicker(helper.store.state.plan, home, { label: text('room.door_where'), most: 1, start: room.middle });
-  openFormDialog({
+  openRoomDialog(helper, room.name, {
     title: text('room.door_title', { room: room.name }),
     fields: [other], extra: [at.element],
     submit: text('thing.add_go'),
@@ -94,14 +94,19 @@ export function drawNewRoom(helper: Helper): void {
 function drawRoom(helper: Helper, home: Home, room: string): void {
   const name = textField(text('room.name'), { value: room, attributes: { maxlength: 60 } });
   const outline = pointPicker(helper.store.state.plan, home, { label: text('room.outline'), most: kMostCorners, shape: 'outline' });
-  openFormDialog({
+  const dialog = {
     title: room === '' ? text('plan.draw_room') : text('room.draw_title', { room }),
     explain: text('room.draw_explain'),
     fields: [name], extra: [outline.element],
     submit: text('dialog.save'),
     check: () => required(name, text('room.name_missing')) && hasPoints(name, outline.points().length, 3, text('room.corners_missing')),
     run: () => makeEdit(helper, { what: 'draw room', room: name.value(), outline: outline.points() }, text('room.drawn', { room: name.value() })),
-  });
+  };
+  if (room === '') {
+    openFormDialog(dialog);
+  } else {
+    openRoomDialog(helper, room, dialog);
+  }
 }
 
 function hasPoints(field: { fail: (message: string) => void }, count: number, wanted: number, missing: string): boolean {
