@@ -1,5 +1,5 @@
 // Beginning a home with photos: a guided turn on the spot in each room, dark and blurred pictures refused at once.
-import { messageOf, request } from '../shared/api';
+import { ApiError, messageOf, request, showWhy } from '../shared/api';
 import { Camera } from '../shared/camera';
 import { openDialog } from '../shared/dialog';
 import { h } from '../shared/dom';
@@ -49,21 +49,28 @@ export function photosCard(helper: Helper): HTMLElement {
       files.fail(text('photos.files_missing'));
       return;
     }
-    const refused: string[] = [];
+    const refused = new Map<string, string[]>(); // why, and which files
     let added: Added | null = null;
+    let isGone: unknown = null; // why none of those that are left comes through
     for (const file of chosen) {
       try {
+        if (isGone !== null) {
+          throw isGone;
+        }
         added = await addFile(room.value(), file);
       } catch (error) {
-        refused.push(`${file.name}: ${messageOf(error)}`);
+        if (error instanceof ApiError && error.status === 0) {
+          isGone = error;
+        }
+        refused.set(messageOf(error), [...refused.get(messageOf(error)) ?? [], file.name]);
       }
     }
     showPhotos();
     if (added) {
-      helper.announcer.say(wordsOf(added));
+      helper.announcer.say(wordsOf(added, ''));
     }
-    if (refused.length > 0) {
-      files.fail(refused.join(' '));
+    if (refused.size > 0) {
+      files.fail([...refused].map(([why, names]) => `${names.join(', ')}: ${why}`).join(' '));
     }
   }
 
@@ -94,9 +101,10 @@ function openTurn(room: string, changed: () => void): void {
   let isTaking = false;
 
   // The same words twice are read twice.
-  const say = (words: string): void => {
-    news.textContent = '';
-    news.append(h('span', {}, words));
+  const say = (words: unknown): void => {
+    const line = h('span');
+    showWhy(line, words);
+    news.replaceChildren(line);
   };
 
   async function take(): Promise<void> {
@@ -118,10 +126,10 @@ function openTurn(room: string, changed: () => void): void {
       }
       const added = await post(room, new Blob([picture.color as BlobPart], { type: 'image/jpeg' }));
       last = grey;
-      say(wordsOf(added));
+      say(wordsOf(added, text('photos.turn_on')));
       changed();
     } catch (error) {
-      say(messageOf(error));
+      say(error);
     } finally {
       isTaking = false;
     }
@@ -140,12 +148,15 @@ function openTurn(room: string, changed: () => void): void {
   });
 }
 
-function wordsOf({ photos, wanted }: Added): string {
+// `next`: what the person is to do for the next one; may be empty.
+function wordsOf({ photos, wanted }: Added, next: string): string {
   const left = wanted - photos;
-  return [
-    `${counted('photos.count', photos)}.`,
-    left > 0 ? `${text('photos.turn_on')} ${counted('photos.missing', left)}.` : text('photos.enough'),
-  ].join(' ');
+  const then = left > 0 ? [next, sentence(counted('photos.missing', left))] : [text('photos.enough')];
+  return [`${counted('photos.count', photos)}.`, ...then].filter((part) => part !== '').join(' ');
+}
+
+function sentence(words: string): string {
+  return `${words.charAt(0).toUpperCase()}${words.slice(1)}.`;
 }
 
 function refusalOf(grey: GreyPicture, last: GreyPicture | null): string | null {

@@ -150,9 +150,35 @@ test('photos that are there already are checked alike, and what is refused is na
   await visit.press('Add these photos');
   await visit.sees('bad.jpg: This is no picture that the browser can read.', '[role=alert]');
   await visit.sees('dining kitchen: 1 photo, 2 more are needed');
-  await visit.hears('1 photo. Turn a little');
+  await visit.hears('1 photo. 2 more are needed.');
   await gets(() => server.state.photos.get('dining kitchen'), 1);
   await visit.assertAccessible('photos that are there');
+  await visit.close();
+}));
+
+test('where the connection is gone that is said once of all photos, and no more is sent', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper', before: () => {
+    const ask = window.fetch.bind(window);
+    window.fetch = (...asked) => {
+      if (!/\/photos$/.test(String(asked[0])) || asked[1]?.method !== 'POST') {
+        return ask(...asked);
+      }
+      const tries = window as unknown as { tries?: number };
+      tries.tries = (tries.tries ?? 0) + 1;
+      return Promise.reject(new TypeError('gone'));
+    };
+  } });
+  const paths = ['one.png', 'two.png'].map((name) => join(folder, name));
+  paths.forEach((path) => writeFileSync(path, drawnRoom('kitchen', 1)));
+  await visit.go('/#recognise');
+  await visit.sees('Begin with photos');
+  await visit.tabTo('Room');
+  await visit.type('kitchen');
+  const input = await visit.page.evaluateHandle(() => [...document.querySelectorAll<HTMLInputElement>('input[type=file]')].find((one) => one.multiple));
+  await (input as ElementHandle<HTMLInputElement>).uploadFile(...paths);
+  await visit.press('Add these photos');
+  await visit.sees("one.png, two.png: The home's computer was not reached.", '[role=alert]');
+  assert.equal(await visit.page.evaluate(() => (window as unknown as { tries?: number }).tries), 1);
   await visit.close();
 }));
 
