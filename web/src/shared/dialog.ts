@@ -63,7 +63,8 @@ function sayFrom(region: Element, node: Node): void {
   const top = opened[opened.length - 1];
   const words = (node.textContent ?? '').trim();
   if (words !== '' && !region.closest('dialog')?.contains(top?.log ?? null) && !region.closest('[data-says-in-dialog]')) {
-    sayInDialog(h('p', {}, words), region.getAttribute('role') === 'alert');
+    const lang = node instanceof Element && node.querySelector<HTMLElement>('[lang]')?.lang;
+    sayInDialog(h('p', lang ? { lang } : {}, words), region.getAttribute('role') === 'alert');
   }
 }
 
