@@ -66,6 +66,16 @@ TEST_F(EditCommandsTest, AThingIsRenamedNotedAndListedAsSaid) {
   EXPECT_EQ(result_of({"info", home_}).at("changed_by_hand"), 2);
 }
 
+// The made-up home's walks have two pictures that could not be joined to the rest.
+TEST_F(EditCommandsTest, InfoTellsFramesThatAreNotOnTheMapApart) {
+  const json info = result_of({"info", home_});
+  EXPECT_GE(info.at("frames_placed").get<int>() - info.at("frames_on_the_map").get<int>(), 2);
+  int on_map = 0;
+  for (const json& one : info.at("recordings")) on_map += one.at("on_map").get<int>();
+  EXPECT_EQ(info.at("frames_on_the_map"), on_map);
+  EXPECT_GT(on_map, 0);
+}
+
 TEST_F(EditCommandsTest, ThingsAreAddedMovedMergedAndRemoved) {
   edit({"add-thing", "kettle", "--room", testing::kMadeUpKitchen, "--note", "hot"});
   EXPECT_EQ(things().back().at("room"), testing::kMadeUpKitchen);

@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <type_traits>
 
 #include "commands.h"
@@ -81,13 +82,20 @@ Expected<Answer> describe_home(const InfoOptions& options, Context& context) {
   Facts facts(options.path, "home");
   Json walks = Json::array();
   std::vector<std::string> recording_names, room_names, network_names, detector_names;
-  std::size_t frames = 0, placed = 0;
+  std::map<home::KeyframeId, std::uint64_t> component_of;
+  for (const home::Keyframe& one : keyframes) component_of[one.id] = one.pose.component;
+  std::size_t frames = 0, placed = 0, on_map = 0;
   for (const home::StoredRecording& stored : recordings) {
     ROOMWISE_TRY(const auto of_recording, home.frames(stored.id));
     const auto placed_here = static_cast<std::size_t>(std::ranges::count_if(
         of_recording, [](const home::Frame& frame) { return frame.place.has_value(); }));
+    const auto on_map_here =
+        static_cast<std::size_t>(std::ranges::count_if(of_recording, [&](const home::Frame& frame) {
+          return frame.place && component_of.at(frame.place->keyframe) == 0;
+        }));
     frames += of_recording.size();
     placed += placed_here;
+    on_map += on_map_here;
     // A walk's own largest component says where it belongs.
     std::optional<std::uint64_t> component;
     std::size_t own_keyframes = 0;
@@ -102,6 +110,7 @@ Expected<Answer> describe_home(const InfoOptions& options, Context& context) {
     walks.push_back({{"name", stored.recording.name},
                      {"frames", of_recording.size()},
                      {"placed", placed_here},
+                     {"on_map", on_map_here},
                      {"keyframes", own_keyframes},
                      {"component", component ? Json(*component) : Json()},
                      {"finished", stored.finished}});
@@ -113,6 +122,7 @@ Expected<Answer> describe_home(const InfoOptions& options, Context& context) {
   facts.add("recordings", fmt::format("{}", fmt::join(recording_names, ", ")), std::move(walks));
   facts.add("frames", frames);
   facts.add("frames placed", placed);
+  facts.add("frames on the map", on_map);
   facts.add("key-frames", keyframes.size());
   facts.add("edges", edges.size());
   facts.add("returns to a place", std::ranges::count_if(edges, mapping::spans_long_loop));
