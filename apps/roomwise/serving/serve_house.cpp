@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "open_home.h"
-#include "qr_code.h"
 #include "roomwise/base/encodings.h"
 #include "roomwise/home/writer_lock.h"
 #include "roomwise/live/house.h"
@@ -20,7 +19,8 @@
 #include "roomwise/service/server/request_checks.h"
 #include "roomwise/service/server/server_events.h"
 #include "roomwise/service/server/staff_routes.h"
-#include "serve_parts.h"
+#include "serving/qr_code.h"
+#include "serving/serve_parts.h"
 
 namespace roomwise::app {
 namespace {

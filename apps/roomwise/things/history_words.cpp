@@ -1,4 +1,4 @@
-#include "history_words.h"
+#include "things/history_words.h"
 
 #include <algorithm>
 

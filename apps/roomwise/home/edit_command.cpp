@@ -3,9 +3,9 @@
 #include <chrono>
 #include <filesystem>
 
-#include "command_line_author.h"
 #include "command_run.h"
 #include "commands.h"
+#include "home/command_line_author.h"
 #include "open_home.h"
 #include "roomwise/base/shell_word.h"
 #include "roomwise/live/recording/room_photos.h"

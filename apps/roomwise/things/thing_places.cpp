@@ -1,4 +1,4 @@
-#include "thing_places.h"
+#include "things/thing_places.h"
 
 #include "command_run.h"
 

@@ -1,4 +1,4 @@
-#include "walk_words.h"
+#include "home/walk_words.h"
 
 #include "roomwise/base/calendar_time.h"
 #include "roomwise/guide/words/message_catalogue.h"

@@ -1,4 +1,4 @@
-#include "qr_code.h"
+#include "serving/qr_code.h"
 
 #include <qrencode.h>
 

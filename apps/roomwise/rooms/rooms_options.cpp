@@ -1,4 +1,4 @@
-#include "rooms_options.h"
+#include "rooms/rooms_options.h"
 
 namespace roomwise::app {
 

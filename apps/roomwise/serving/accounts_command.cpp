@@ -6,7 +6,7 @@
 
 #include "commands.h"
 #include "open_home.h"
-#include "serve_parts.h"
+#include "serving/serve_parts.h"
 
 namespace roomwise::app {
 namespace {

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "command.h"
+#include "home/walk_words.h"
 #include "roomwise/pipeline/objects/thing_history.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"
-#include "walk_words.h"
 
 namespace roomwise::app {
 

@@ -5,7 +5,6 @@
 
 #include "command_run.h"
 #include "commands.h"
-#include "history_words.h"
 #include "networks.h"
 #include "open_home.h"
 #include "pose_json.h"
@@ -19,7 +18,8 @@
 #include "roomwise/pipeline/stored/map_settings.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"
-#include "thing_places.h"
+#include "things/history_words.h"
+#include "things/thing_places.h"
 
 namespace roomwise::app {
 namespace {

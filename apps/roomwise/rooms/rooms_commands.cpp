@@ -3,12 +3,12 @@
 #include <opencv2/core.hpp>
 
 #include "camera_option.h"
-#include "command_line_author.h"
 #include "command_run.h"
 #include "commands.h"
+#include "home/command_line_author.h"
 #include "networks.h"
 #include "open_home.h"
-#include "rooms_options.h"
+#include "rooms/rooms_options.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/pipeline/edits/edit_rooms.h"
 #include "roomwise/pipeline/rooms/home_places.h"

@@ -1,4 +1,4 @@
-#include "serve_parts.h"
+#include "serving/serve_parts.h"
 
 #include <poll.h>
 #include <signal.h>
@@ -8,9 +8,9 @@
 #include <array>
 #include <chrono>
 
-#include "qr_code.h"
 #include "roomwise/service/credentials/private_folder.h"
 #include "roomwise/service/server/page_files.h"
+#include "serving/qr_code.h"
 
 namespace roomwise::app {
 

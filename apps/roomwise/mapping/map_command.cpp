@@ -6,7 +6,6 @@
 #include "camera_option.h"
 #include "command_run.h"
 #include "commands.h"
-#include "history_words.h"
 #include "left_out.h"
 #include "networks.h"
 #include "open_home.h"
@@ -21,7 +20,8 @@
 #include "roomwise/recording/damage_tolerant_source.h"
 #include "roomwise/recording/open_recording.h"
 #include "skip_damaged.h"
-#include "thing_places.h"
+#include "things/history_words.h"
+#include "things/thing_places.h"
 
 namespace roomwise::app {
 namespace {

@@ -2,11 +2,11 @@
 
 #include "command_run.h"
 #include "commands.h"
+#include "home/walk_words.h"
 #include "open_home.h"
 #include "pose_json.h"
 #include "roomwise/base/shell_word.h"
 #include "roomwise/pipeline/rooms/room_coverage.h"
-#include "walk_words.h"
 
 namespace roomwise::app {
 namespace {

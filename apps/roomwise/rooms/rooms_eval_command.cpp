@@ -10,7 +10,7 @@
 #include "command_run.h"
 #include "networks.h"
 #include "open_home.h"
-#include "rooms_options.h"
+#include "rooms/rooms_options.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/report/recognition_report.h"
 #include "roomwise/pipeline/edits/walk_edits.h"

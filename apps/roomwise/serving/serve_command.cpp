@@ -13,11 +13,11 @@
 #include "device_voice.h"
 #include "networks.h"
 #include "open_home.h"
-#include "qr_code.h"
 #include "roomwise/live/routes/home_routes.h"
 #include "roomwise/service/server/access_routes.h"
 #include "roomwise/service/server/server_events.h"
-#include "serve_parts.h"
+#include "serving/qr_code.h"
+#include "serving/serve_parts.h"
 
 namespace roomwise::app {
 namespace {
