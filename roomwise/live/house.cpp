@@ -31,7 +31,7 @@ constexpr double kProofsOfAll = 16, kProofsOfAll_s = 0.5;
 constexpr int kProofPlaces = 2;
 
 HttpAnswer later(std::string_view what, int seconds) {
-  HttpAnswer answer = error_answer(503, what);
+  HttpAnswer answer = error_answer(503, what, "later");
   answer.headers.emplace_back("Retry-After", fmt::format("{}", seconds));
   return answer;
 }
@@ -79,7 +79,8 @@ bool is_of_home(std::string_view rest) {
 
 // To whom nobody is, a home that is not there and one that is answer alike.
 HttpAnswer answer_to_nobody() {
-  HttpAnswer answer = error_answer(401, "this needs a paired device: pair it with a code first");
+  HttpAnswer answer =
+      error_answer(401, "this needs a paired device: pair it with a code first", "not_paired");
   answer.headers.emplace_back("WWW-Authenticate", "Bearer");
   return answer;
 }

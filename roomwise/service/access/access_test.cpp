@@ -151,6 +151,7 @@ TEST_F(AccessTest, APeerHasThreeGuesses) {
   ASSERT_FALSE(waits.has_value());
   EXPECT_EQ(waits.error().status, 429);
   EXPECT_EQ(waits.error().wait_s, 30);
+  EXPECT_EQ(waits.error().key, "many_codes");
   EXPECT_EQ(status(open_code, "10.0.0.2"), 200);  // others are heard
   now_.steady_s += 30;
   EXPECT_EQ(status(code()), 200);

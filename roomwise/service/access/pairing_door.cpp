@@ -14,7 +14,7 @@ namespace {
 Refusal refusal_to_wait(double seconds) {
   const auto wait_s = static_cast<std::int64_t>(std::ceil(seconds));
   return {429, fmt::format("too many wrong codes; wait {} s, then ask for a new code", wait_s),
-          wait_s};
+          wait_s, "many_codes"};
 }
 
 Refusal refusal_of_proof(double seconds) {
@@ -22,8 +22,8 @@ Refusal refusal_of_proof(double seconds) {
   return {429, fmt::format("too many proofs at once; try again in {} s", wait_s), wait_s};
 }
 
-tl::unexpected<Refusal> refuse(int status, std::string message) {
-  return tl::unexpected(Refusal{status, std::move(message), 0});
+tl::unexpected<Refusal> refuse(int status, std::string message, std::string key = {}) {
+  return tl::unexpected(Refusal{status, std::move(message), 0, std::move(key)});
 }
 
 std::string guesser(const PairingAttempt& attempt) {
@@ -174,7 +174,7 @@ tl::expected<Pairing, Refusal> PairingDoor::redeem_secret(const PairingAttempt& 
     const std::scoped_lock lock(guard_mutex_);
     code = guard_.take(judged->known->secret, now.steady_s);
   }
-  if (!code) return refuse(401, "the link is no longer valid; ask for a new one");
+  if (!code) return refuse(401, "the link is no longer valid; ask for a new one", "link_over");
   return let_in(attempt, *std::move(code), std::move(judged->proof), now, add);
 }
 
@@ -206,7 +206,7 @@ tl::expected<PairingDoor::Code, Refusal> PairingDoor::count_digits(const Pairing
     } else {
       guard_.wrong(attempt.peer, now.steady_s);
     }
-    return refuse(401, "the code is wrong or no longer valid; ask for a new one");
+    return refuse(401, "the code is wrong or no longer valid; ask for a new one", "code_over");
   }
   if (options_.guesses) options_.guesses->right(attempt);
   guard_.right(attempt.peer, code->digits);

@@ -34,6 +34,7 @@ struct Refusal {
   int status = 401;         // of the answer; 429: wait, nothing was tried
   std::string message;      // for people
   std::int64_t wait_s = 0;  // with 429
+  std::string key = {};     // by which pages have their own words for it; may be empty
 };
 
 // Whether `who` may do what needs `role`; nothing needed: everyone may.

@@ -39,12 +39,14 @@ HttpAnswer text_answer(std::string_view text, int status) {
   return {status, "text/plain; charset=utf-8", Bytes(text.begin(), text.end()), {}};
 }
 
-HttpAnswer error_answer(int status, std::string_view what) {
-  return json_answer({{"error", what}}, status);
+HttpAnswer error_answer(int status, std::string_view what, std::string_view key) {
+  nlohmann::json json{{"error", what}};
+  if (!key.empty()) json["message"] = key;
+  return json_answer(json, status);
 }
 
 HttpAnswer refusal_answer(const Refusal& refusal) {
-  HttpAnswer answer = error_answer(refusal.status, refusal.message);
+  HttpAnswer answer = error_answer(refusal.status, refusal.message, refusal.key);
   if (refusal.wait_s > 0) {
     answer.headers.emplace_back("Retry-After", fmt::format("{}", refusal.wait_s));
   }
@@ -52,7 +54,7 @@ HttpAnswer refusal_answer(const Refusal& refusal) {
 }
 
 HttpAnswer internal_error_answer() {
-  return error_answer(500, "the computer made a mistake with this request; it goes on");
+  return error_answer(500, "the computer made a mistake with this request; it goes on", "fault");
 }
 
 Expected<nlohmann::json> json_of(const HttpRequest& request) {

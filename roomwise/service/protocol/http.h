@@ -42,8 +42,8 @@ struct HttpAnswer {
 
 [[nodiscard]] HttpAnswer json_answer(const nlohmann::json& json, int status = 200);
 [[nodiscard]] HttpAnswer text_answer(std::string_view text, int status = 200);
-// {"error": "what is wrong and how to mend it"}
-[[nodiscard]] HttpAnswer error_answer(int status, std::string_view what);
+// {"error": "what is wrong and how to mend it"}; `key`: by which pages have their own words for it.
+[[nodiscard]] HttpAnswer error_answer(int status, std::string_view what, std::string_view key = {});
 [[nodiscard]] HttpAnswer refusal_answer(const Refusal& refusal);
 // To a request that a fault of the program's own broke off.
 [[nodiscard]] HttpAnswer internal_error_answer();

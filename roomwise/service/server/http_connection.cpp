@@ -226,7 +226,7 @@ class HttpConnection final : public Connection,
   }
 
   static HttpAnswer too_many(std::string_view what) {
-    HttpAnswer answer = error_answer(429, what);
+    HttpAnswer answer = error_answer(429, what, "many_requests");
     answer.headers.emplace_back("Retry-After", "1");
     return answer;
   }
@@ -319,7 +319,7 @@ class HttpConnection final : public Connection,
   void on_worker(Make make, GoOn go_on) {
     if (core_.waiting_requests >= core_.options.limits.waiting_requests) {
       core_.events.refused("too many requests at once", peer_, core_.now().steady_s);
-      return answer_at_once(error_answer(503, "the computer is busy; try again soon"));
+      return answer_at_once(error_answer(503, "the computer is busy; try again soon", "later"));
     }
     ++core_.waiting_requests;
     beast::get_lowest_layer(stream_).expires_never();

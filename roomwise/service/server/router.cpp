@@ -49,13 +49,15 @@ HttpAnswer not_allowed(const std::string& method, const std::string& allowed) {
 
 HttpAnswer refused(const HttpRequest& request, Role role) {
   if (!request.who) {
-    HttpAnswer answer = error_answer(401, "this needs a paired device: pair it with a code first");
+    HttpAnswer answer =
+        error_answer(401, "this needs a paired device: pair it with a code first", "not_paired");
     answer.headers.emplace_back("WWW-Authenticate", "Bearer");
     return answer;
   }
-  return error_answer(
-      403, fmt::format("this needs the role '{}', and '{}' has the role '{}'", to_string(role),
-                       request.who->name, to_string(request.who->role)));
+  return error_answer(403,
+                      fmt::format("this needs the role '{}', and '{}' has the role '{}'",
+                                  to_string(role), request.who->name, to_string(request.who->role)),
+                      "not_for_role");
 }
 
 }  // namespace

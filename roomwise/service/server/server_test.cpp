@@ -267,6 +267,7 @@ TEST(ServerTest, AnswersOnlySoManyRequestsASecond) {
   const Answer refused = client.ask("GET", "/health");
   EXPECT_EQ(refused.status, 429);
   EXPECT_EQ(refused.headers.at("retry-after"), "1");
+  EXPECT_THAT(refused.body, HasSubstr(R"("message":"many_requests")"));
   EXPECT_EQ(home.ask("GET", "/health", "", "", "127.0.0.2").status, 200);
   EXPECT_EQ(home.ask("GET", "/api/me", bearer(home.device.token)).status, 200);
   home.steady_s = home.steady_s + 1;

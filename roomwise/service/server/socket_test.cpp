@@ -356,7 +356,11 @@ TEST_F(SocketTest, GuessesThroughHttpAreAnsweredByWaiting) {
                      fmt::format(R"({{"code": "{}", "name": "x"}})", digits), from);
   };
   const std::string wrong = code->digits == "000000" ? "000001" : "000000";
-  for (int i = 0; i < 3; ++i) EXPECT_EQ(guess(wrong, "127.0.0.5").status, 401);
+  for (int i = 0; i < 3; ++i) {
+    const testing::Answer answer = guess(wrong, "127.0.0.5");
+    EXPECT_EQ(answer.status, 401);
+    EXPECT_THAT(answer.body, ::testing::HasSubstr(R"("message":"code_over")"));
+  }
   for (int i = 0; i < 50; ++i) {
     const testing::Answer answer = guess(wrong, "127.0.0.5");
     ASSERT_EQ(answer.status, 429);
