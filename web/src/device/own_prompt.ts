@@ -17,6 +17,7 @@ const kSounds: Partial<Record<SpokenKey, Sound>> = {
   'device.connection_back': 'back',
   'device.removed': 'alert',
   'device.failed': 'unsure',
+  'device.one_moment': 'none',
   'device.recording_failed': 'alert',
 };
 const kValidMs = 10_000;

@@ -282,7 +282,7 @@ export class Phone {
       }
     }
     if (!isOutdated) {
-      this.player.push(prompt); // into the dialog that this may have opened
+      this.player.push(this.answers.inTime(prompt, performance.now())); // into the dialog that this may have opened
     }
     if (prompt.message === 'watch.shown' || prompt.message === 'watch.hidden') {
       this.letWatch(prompt.message === 'watch.shown');
@@ -362,6 +362,9 @@ export class Phone {
     if (this.sender.stalled(now) || this.answers.silent(now)) {
       this.tellConnection(this.connection.gone());
       this.session.reconnect();
+    }
+    if (this.session.online && this.answers.takesLong(now)) {
+      this.say('device.one_moment', 'answer');
     }
     this.tellConnection(this.connection.look(now));
     if (document.visibilityState === 'visible') {

@@ -9,7 +9,7 @@ import type { Language } from './protocol';
 
 export type SpokenKey = Extract<keyof typeof en, `device.${string}`>;
 
-const catalogues: Record<Language, Record<SpokenKey, string>> = { en, de, es, fr };
+const catalogues: Record<Language, Record<SpokenKey | 'repeat.earlier', string>> = { en, de, es, fr };
 
 export function spoken(language: Language, key: SpokenKey): string {
   return catalogues[language][key];
@@ -20,4 +20,9 @@ const goals = { en: enGoals, de: deGoals, es: esGoals, fr: frGoals };
 // What the way out is called.
 export function wayOut(language: Language): string {
   return goals[language]['way out'].name;
+}
+
+// Said of what need not be so any more.
+export function earlier(language: Language, words: string): string {
+  return catalogues[language]['repeat.earlier'].replace('{text}', () => words);
 }

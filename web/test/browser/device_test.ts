@@ -673,6 +673,27 @@ test('what the computer cannot answer is told, in the language of the page', opt
   await visit.close();
 }));
 
+test('who waits long for an answer hears that it comes, and it is told though it is late', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  server.answersQuestions = false;
+  const isThere = setInterval(() => server.tell('device', { type: 'frame', t: 0 }), 200);
+  try {
+    let isHeard = false;
+    for (let tries = 0; tries < 5 && !isHeard; tries += 1) { // on a busy machine it may have seemed gone meanwhile
+      await visit.press('Where am I');
+      isHeard = await visit.hears('One moment.', 8000).then(() => true, () => false);
+    }
+    assert.ok(isHeard);
+    server.tell('device', makePrompt({ answer_to: server.newest('device').asked.at(-1)?.['id'] as number, valid_until_t: 1 }));
+    await visit.hears('Earlier: You are in the kitchen.');
+    assert.ok(!(await visit.announced()).some((one) => one.includes('did not work')));
+  } finally {
+    clearInterval(isThere);
+  }
+  await visit.close();
+}));
+
 test('no camera is said, and questions still work', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'device', size: kPhone, before: noCamera });
   await visit.go('/device');
