@@ -30,6 +30,7 @@ export function makeHome(): Home {
       ranges: kRanges.map((range) => ({ ...range })),
     }],
     room_types: ['bathroom', 'bedroom', 'corridor', 'dining room', 'kitchen', 'living room', 'office'],
+    walk_waits: false,
     to_erase: { walks: [], rooms: [], owed: false },
     changes: null,
   };

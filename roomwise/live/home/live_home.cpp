@@ -420,6 +420,12 @@ Expected<std::vector<fs::path>> LiveHome::waiting_walks(const std::set<fs::path>
   return waiting;
 }
 
+bool LiveHome::walk_waits() {
+  if (jobs_->running()) return false;
+  const auto waiting = waiting_walks();
+  return waiting && !waiting->empty();
+}
+
 Expected<void> LiveHome::check_idle() const {
   {
     const std::scoped_lock lock(devices_mutex_);

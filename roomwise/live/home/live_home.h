@@ -160,6 +160,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<void> end_recording();
   // With the map of a walk whose mapping was stopped, or that waits (job "map").
   [[nodiscard]] Expected<void> go_on_mapping();
+  // Whether there is one; false while a job is at work.
+  [[nodiscard]] bool walk_waits();
   [[nodiscard]] Jobs& jobs() { return *jobs_; }
 
   // ---- photos of rooms, from which they can be learned without a walk ----

@@ -773,6 +773,7 @@ TEST_F(LiveHomeTest, AWalkThatCannotBeMappedKeepsBackNoOther) {
   ASSERT_THAT(home->view()->walks, SizeIs(1));
   EXPECT_EQ(home->view()->walks[0].stored.recording.name, "older");
   EXPECT_TRUE(home->view()->map);
+  EXPECT_TRUE(home->walk_waits());
 }
 
 TEST_F(LiveHomeTest, AWalkIsMappedWhileItIsRecorded) {
@@ -843,6 +844,7 @@ TEST_F(LiveHomeTest, AMapThatWasStoppedWhileItIsRecordedIsGoneOnWith) {
   EXPECT_EQ(home->jobs().state()->state, "stopped");
   EXPECT_ERROR(home->go_on_mapping(), "'walk' is being recorded");
   record_the_rest(belt);
+  EXPECT_FALSE(home->walk_waits());
   EXPECT_ERROR(home->go_on_mapping(), "no walk waits");
 }
 

@@ -114,7 +114,9 @@ auto cloud_of(geometry::PointCloud MapClouds::*cloud) {
 std::vector<HomeRoute> looking_routes() {
   return {{"GET", "/api/home", Role::kDevice,
            [](LiveHome& home, const auto&, const auto&) {
-             return json_answer(home_json(*home.view()));
+             Json json = home_json(*home.view());
+             json["walk_waits"] = home.walk_waits();
+             return json_answer(json);
            }},
           {"GET", "/api/map/keyframes", Role::kHelper,
            [](LiveHome& home, const auto&, const auto&) {

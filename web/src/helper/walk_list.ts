@@ -23,9 +23,8 @@ export function walkListCard(helper: Helper): HTMLElement {
   store.watch(['home', 'job', 'recording'], () => {
     const { home, keyframes, job, recording } = store.state;
     const walks = home?.recordings ?? [];
-    const isStopped = job?.kind === 'map' && (job.state === 'stopped' || job.state === 'failed');
     const isBusy = job?.state === 'running' || recording?.state === 'recording';
-    row.hidden = isBusy || !(isStopped || walks.some(({ finished }) => !finished));
+    row.hidden = isBusy || home?.walk_waits !== true;
     element.hidden = walks.length === 0 && row.hidden;
     const isReady = keyframes.length > 0;
     show(walks.map((walk) => ({ walk, isApart: isReady && !keyframes.some((one) => one.recording === walk.id) })));

@@ -316,6 +316,7 @@ export interface Home {
   things: Thing[];
   recordings: Recording[];
   room_types: string[];
+  walk_waits: boolean; // to be mapped
   to_erase: ToErase;
   changes: { walk: number; since: number; things: ThingChange[] } | null; // of one walk: null
   storeys?: Storey[]; // of a home of several, from the lowest on; the plan draws them side by side

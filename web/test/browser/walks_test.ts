@@ -56,6 +56,11 @@ test('a map that was stopped is gone on with by a button', options, () => withSe
   await visit.go('/#walks');
   await visit.sees('96 pictures', '.walks');
   assert.ok(!(await visit.accessibleTexts()).includes('Go on with the map'));
+  tellJob(server, 'failed', 0, '', 'map');
+  await visit.hears('The map could not be made.');
+  await visit.page.waitForNetworkIdle();
+  assert.ok(!(await visit.accessibleTexts()).includes('Go on with the map'), 'no walk waits');
+  server.state.home.walk_waits = true;
   tellJob(server, 'stopped', 0.4, 'stopped', 'map');
   await visit.press('Go on with the map');
   await heardOnce(visit, 'The map is gone on with.');
