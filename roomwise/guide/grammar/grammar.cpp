@@ -143,6 +143,21 @@ Expected<void> add_patterns(QuestionType type, std::string_view text,
   return {};
 }
 
+using Texts = std::vector<std::vector<std::string>>;
+
+Texts folded_texts(const nlohmann::json& texts) {
+  Texts all;
+  for (const auto& text : texts) all.push_back(folded_words(text.get<std::string>()));
+  std::erase_if(all, [](const auto& words) { return words.empty(); });
+  return all;
+}
+
+bool holds_one(std::span<const std::string> words, const Texts& texts) {
+  return std::ranges::any_of(texts, [&](const std::vector<std::string>& text) {
+    return !std::ranges::search(words, text).empty();
+  });
+}
+
 std::set<std::string> word_set(const nlohmann::json& words) {
   std::set<std::string> all;
   for (const auto& word : words) {
@@ -162,9 +177,10 @@ Expected<Grammar> Grammar::parse(const nlohmann::json& questions) {
     grammar.determiners_ = word_set(questions.at("determiners"));
     grammar.possessives_ = word_set(questions.at("possessives"));
     grammar.inside_ = word_set(questions.at("inside"));
-    for (const auto& filler : questions.at("fillers")) {
-      grammar.fillers_.push_back(folded_words(filler.get<std::string>()));
-    }
+    grammar.negations_ = word_set(questions.at("negations"));
+    grammar.fillers_ = folded_texts(questions.at("fillers"));
+    grammar.stops_ = folded_texts(questions.at("stops"));
+    grammar.waits_ = folded_texts(questions.at("waits"));
     questions.at("endings").get_to(grammar.endings_);
     questions.at("doors").get_to(doors);
   } catch (const nlohmann::json::exception& error) {
@@ -173,7 +189,6 @@ Expected<Grammar> Grammar::parse(const nlohmann::json& questions) {
   if (!std::ranges::includes(grammar.determiners_, grammar.possessives_)) {
     return fail("questions: a possessive is no determiner; name it under both");
   }
-  std::erase_if(grammar.fillers_, [](const auto& words) { return words.empty(); });
   std::ranges::stable_sort(grammar.fillers_, std::ranges::greater{},
                            &std::vector<std::string>::size);
   for (const std::string& text : doors) {
@@ -195,8 +210,28 @@ Expected<Grammar> Grammar::parse(const nlohmann::json& questions) {
     }
     patterns.erase(found);
   }
+  for (const QuestionPattern& pattern : grammar.patterns_) {
+    grammar.own_words_.insert(pattern.before.begin(), pattern.before.end());
+    grammar.own_words_.insert(pattern.after.begin(), pattern.after.end());
+  }
+  for (const auto& words : grammar.fillers_) {
+    grammar.own_words_.insert(words.begin(), words.end());
+  }
   if (!patterns.empty()) return fail("questions: there is no type \"{}\"", patterns.begin()->first);
   return grammar;
+}
+
+bool Grammar::says_stop(std::span<const std::string> words) const {
+  return holds_one(words, stops_);
+}
+
+bool Grammar::says_wait(std::span<const std::string> words) const {
+  return holds_one(words, waits_);
+}
+
+bool Grammar::denies(std::span<const std::string> words) const {
+  return std::ranges::any_of(words,
+                             [&](const std::string& word) { return negations_.contains(word); });
 }
 
 std::vector<std::string> Grammar::without_fillers(std::vector<std::string> words) const {

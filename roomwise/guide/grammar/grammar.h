@@ -49,6 +49,9 @@ struct DoorPattern {
 //   patterns. inside       what may stand between a thing's name and its room's: "the chair in the
 //   kitchen". fillers      what may stand anywhere and says nothing: "please". endings      what a
 //   name may end with besides: "s".
+//   stops        what says, anywhere in a few words, that who is led wants to stop; waits: for a
+//   while.
+//   negations    what may turn that into its opposite: "not".
 class Grammar {
  public:
   // Fails, naming the pattern, where one cannot be read, is two types' or has two slots, and where
@@ -66,12 +69,19 @@ class Grammar {
   [[nodiscard]] bool says_inside(const std::string& word) const { return inside_.contains(word); }
   [[nodiscard]] std::span<const std::string> endings() const { return endings_; }
   [[nodiscard]] std::vector<std::string> without_fillers(std::vector<std::string> words) const;
+  [[nodiscard]] bool says_stop(std::span<const std::string> words) const;
+  [[nodiscard]] bool says_wait(std::span<const std::string> words) const;
+  [[nodiscard]] bool denies(std::span<const std::string> words) const;
+  // Whether a pattern or a filler has the word: it is then no name with a slip.
+  [[nodiscard]] bool knows(const std::string& word) const { return own_words_.contains(word); }
 
  private:
   std::vector<QuestionPattern> patterns_;
   std::vector<DoorPattern> doors_;
   std::set<std::string> determiners_, possessives_, inside_;
+  std::set<std::string> negations_, own_words_;
   std::vector<std::vector<std::string>> fillers_;  // the longest first
+  std::vector<std::vector<std::string>> stops_, waits_;
   std::vector<std::string> endings_;
 };
 

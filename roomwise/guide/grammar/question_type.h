@@ -31,6 +31,8 @@ enum class QuestionType {
   kBlocked,
   kEnd,
   kWhatCanIAsk,
+  kHelp,         // of whatever kind
+  kEmergency,    // somebody fell, or it burns
   kTeachThing,   // a thing is to be shown
   kForgetThing,  // that was taught
   kShareThing,   // with all people of the home
@@ -49,7 +51,7 @@ enum class QuestionType {
 };
 
 // As catalogues call them.
-constexpr std::array<std::pair<std::string_view, QuestionType>, 37> kQuestionTypes{
+constexpr std::array<std::pair<std::string_view, QuestionType>, 39> kQuestionTypes{
     {{"where_am_i", QuestionType::kWhereAmI},
      {"around_me", QuestionType::kAroundMe},
      {"where_is", QuestionType::kWhereIs},
@@ -72,6 +74,8 @@ constexpr std::array<std::pair<std::string_view, QuestionType>, 37> kQuestionTyp
      {"blocked", QuestionType::kBlocked},
      {"end", QuestionType::kEnd},
      {"what_can_i_ask", QuestionType::kWhatCanIAsk},
+     {"help", QuestionType::kHelp},
+     {"emergency", QuestionType::kEmergency},
      {"yes", QuestionType::kYes},
      {"named", QuestionType::kNamed},
      {"cannot_tell", QuestionType::kCannotTell},

@@ -174,6 +174,8 @@ Nouns NameIndex::with_endings(const std::string& key, Slot slot) const {
 }
 
 Nouns NameIndex::nearest(const std::string& key, Slot slot) const {
+  // "halt" is no hall, and "slower" no flower.
+  if (phrases_.grammar().knows(key)) return {};
   int least = forgiven_slips(key);
   std::vector<const Entry*> found;
   for (const Entry& entry : entries_) {
@@ -292,15 +294,24 @@ FoundName NameIndex::find_door(const DoorPattern& pattern,
   return {};
 }
 
+bool NameIndex::is_name(const std::string& word) const {
+  return std::ranges::find(entries_, word, &Entry::key) != entries_.end();
+}
+
+bool NameIndex::is_known(std::span<const std::string> words) const {
+  const std::string key = joined({words.begin(), words.end()});
+  return !exact(key, Slot::kPlace, true, Way::kLabel).empty() ||
+         !with_endings(key, Slot::kPlace).empty();
+}
+
+bool NameIndex::has_name(std::span<const std::string> words) const {
+  return is_known(words) || has_name_inside(words);
+}
+
 bool NameIndex::has_name_inside(std::span<const std::string> words) const {
-  const auto is_name = [&](std::span<const std::string> part) {
-    const std::string key = joined({part.begin(), part.end()});
-    return !exact(key, Slot::kPlace, true, Way::kLabel).empty() ||
-           !with_endings(key, Slot::kPlace).empty();
-  };
   for (std::size_t begin = 0; begin < words.size(); ++begin) {
     for (std::size_t count = 1; count <= words.size() - begin; ++count) {
-      if (count < words.size() && is_name(words.subspan(begin, count))) return true;
+      if (count < words.size() && is_known(words.subspan(begin, count))) return true;
     }
   }
   return false;

@@ -39,6 +39,10 @@ class NameIndex {
   [[nodiscard]] FoundName find_door(std::span<const std::string> words) const;
   // Whether a part of the words, not all of them, is a name of the home: "cup on the table".
   [[nodiscard]] bool has_name_inside(std::span<const std::string> words) const;
+  // The same of all words and any part of them.
+  [[nodiscard]] bool has_name(std::span<const std::string> words) const;
+  // Whether a word is a name of the home or for what homes have.
+  [[nodiscard]] bool is_name(const std::string& word) const;
   // A name that is given now: without articles and what says nothing, but "my chair" keeps its
   // "my".
   [[nodiscard]] std::vector<std::string> new_name(std::span<const std::string> words) const;
@@ -72,6 +76,7 @@ class NameIndex {
   // Of the spots that are called "my chair" those that "chair" means, in whatever case: "meinem
   // Stuhl".
   [[nodiscard]] Nouns own_spots(const std::string& key, Slot slot) const;
+  [[nodiscard]] bool is_known(std::span<const std::string> words) const;
   [[nodiscard]] Nouns exact(const std::string& key, Slot slot, bool is_of_home, Way least) const;
   [[nodiscard]] Nouns with_endings(const std::string& key, Slot slot) const;
   [[nodiscard]] Nouns nearest(const std::string& key, Slot slot) const;

@@ -30,6 +30,13 @@ class Refusal {
     if (!home.things.empty()) say("ask.examples_thing", {{"thing", thing(example_of(home))}});
     if (!home.rooms.empty()) say("ask.examples_room", {{"room", room(home.rooms.front())}});
   }
+  // Nobody is called: who hears that can do it themselves while there is time.
+  void say_emergency(const std::optional<std::string>& in_room, bool is_help) {
+    say("ask.emergency");
+    if (in_room) say("room.is", {{"room", room(*in_room)}});
+    say("ask.emergency_out");
+    if (is_help) say("ask.emergency_help");
+  }
   [[nodiscard]] std::vector<Prompt> take() { return std::move(prompts_); }
 
  private:
@@ -49,9 +56,15 @@ std::vector<Prompt> example_prompts(const HomeNames& home, const Wording& wordin
 }
 
 std::vector<Prompt> refusal_prompts(const Understood& heard, const HomeNames& home,
-                                    const Wording& wording, TimestampNs now_ns) {
+                                    const Wording& wording, TimestampNs now_ns,
+                                    const Circumstances& now) {
   using Outcome = Understood::Outcome;
   Refusal refusal(wording, now_ns);
+  const bool is_help = heard.type == QuestionType::kHelp;
+  if (heard.outcome == Outcome::kQuestion && (is_help || heard.type == QuestionType::kEmergency)) {
+    refusal.say_emergency(now.room, is_help);
+    return refusal.take();
+  }
   switch (heard.outcome) {
     case Outcome::kWhichOne:
       refusal.say("ask.which_one", {{"names", heard.names}});
@@ -76,7 +89,7 @@ std::vector<Prompt> refusal_prompts(const Understood& heard, const HomeNames& ho
       refusal.say("ask.not_understood");
       break;
   }
-  refusal.say_examples(home);
+  if (!now.is_led) refusal.say_examples(home);
   return refusal.take();
 }
 

@@ -28,8 +28,19 @@ struct Reading {
   }
 };
 
+constexpr std::size_t kMaxWordsOfAStop = 6;
+
 bool is_word(const std::string& wanted, const std::string& said, bool forgives) {
   return wanted == said || (forgives && slips_between(wanted, said) <= forgiven_slips(wanted));
+}
+
+// Whether slips in the pattern's words are forgiven for what was said. Nothing but one word tells
+// an order: what means something else is none with a slip ("hall", "halt").
+bool may_have_slips(const QuestionPattern& pattern, std::span<const std::string> words,
+                    const NameIndex& names, const Grammar& grammar) {
+  if (pattern.type == QuestionType::kEmergency || pattern.type == QuestionType::kHelp) return false;
+  const bool is_word_alone = !pattern.slot && words.size() == 1;
+  return !is_word_alone || !(names.is_name(words.front()) || grammar.knows(words.front()));
 }
 
 // What stands in the slot; nothing where the words are no such question. Empty without a slot.
@@ -98,7 +109,8 @@ std::optional<Reading> best_reading(std::span<const std::string> words, const Gr
                                     const NameIndex& names, bool forgives) {
   std::optional<Reading> best;
   for (const QuestionPattern& pattern : grammar.patterns()) {
-    auto reading = read_as(pattern, words, names, forgives);
+    const bool forgives_here = forgives && may_have_slips(pattern, words, names, grammar);
+    auto reading = read_as(pattern, words, names, forgives_here);
     if (reading && (!best || reading->rank() < best->rank())) best = std::move(reading);
   }
   return best;
@@ -151,6 +163,11 @@ Understood meaning_of(Reading reading, const Spellings& spellings) {
   return meaning;
 }
 
+std::vector<std::string> without_repeats(std::vector<std::string> words) {
+  words.erase(std::ranges::unique(words).begin(), words.end());
+  return words;
+}
+
 }  // namespace
 
 Understood understand(std::string_view text, const Phrasebook& phrases, const HomeNames& home) {
@@ -167,7 +184,8 @@ Understood understand(std::string_view text, const Phrasebook& phrases, const Ho
   // A name may hold what says nothing elsewhere, so the text counts first as it is.
   std::optional<Reading> first;
   for (const bool forgives : {false, true}) {
-    for (const auto& words : {whole, grammar.without_fillers(whole)}) {
+    const auto without_fillers = grammar.without_fillers(whole);
+    for (const auto& words : {whole, without_fillers, without_repeats(without_fillers)}) {
       auto reading = best_reading(words, grammar, names, forgives);
       if (is_whole(reading)) return meaning_of(*std::move(reading), spellings);
       const bool is_better = reading && (!first || reading->rank() < first->rank());
@@ -236,6 +254,19 @@ Understood in_answer_to(const Understood& offer, Understood said) {
   }
   if (said.type == QuestionType::kNamed) said.type = offer.type;
   return said;
+}
+
+Understood unless_stopped(Understood said, std::string_view text, const Phrasebook& phrases,
+                          const HomeNames& home) {
+  if (said.outcome == Outcome::kQuestion) return said;
+  const std::vector<std::string> words = folded_words(text);
+  const Grammar& grammar = phrases.grammar();
+  const bool stops = grammar.says_stop(words);
+  const bool waits = grammar.says_wait(words);
+  if (words.size() > kMaxWordsOfAStop || !(stops || waits)) return said;
+  if (NameIndex(phrases, home).has_name(words)) return said;
+  const bool ends = stops && !waits && !grammar.denies(words);
+  return {Outcome::kQuestion, ends ? QuestionType::kEnd : QuestionType::kPause};
 }
 
 Understood while_led(Understood said) {

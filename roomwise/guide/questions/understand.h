@@ -48,9 +48,9 @@ constexpr std::size_t kMaxQuestionBytes = 500;
 // Finds the question and the name in it by the language's grammar and the home's names. Of several
 // ways to read a text: one whose name the home has, then one with more words of its own, then one
 // with fewer words in a name. An unknown name is as it was written, and no name of the home is a
-// part of it. Slips are forgiven in the question's own words; a name with slips is asked about. The
-// same for the same values; any bytes are a text. Time: patterns and names times the words of the
-// text.
+// part of it. Slips are forgiven in the question's own words, but for emergencies; a name with
+// slips is asked about. Words that are said twice at once count once. The same for the same values;
+// any bytes are a text. Time: patterns and names times the words of the text.
 [[nodiscard]] Understood understand(std::string_view text, const Phrasebook& phrases,
                                     const HomeNames& home);
 
@@ -61,6 +61,10 @@ constexpr std::size_t kMaxQuestionBytes = 500;
 // What is meant by "yes", or by a name alone, after an `offer` (kDidYouMean, kWhichOne; a room's
 // after kWhichRoom and kWhichDoor); else `said` as it is.
 [[nodiscard]] Understood in_answer_to(const Understood& offer, Understood said);
+// What is meant by who is led: a few words, no question and without a name, that hold a word for
+// stop end it, or where they deny something or hold one for wait, pause it.
+[[nodiscard]] Understood unless_stopped(Understood said, std::string_view text,
+                                        const Phrasebook& phrases, const HomeNames& home);
 // What is meant by who is led: "there is something ahead" then says that they cannot go on.
 [[nodiscard]] Understood while_led(Understood said);
 

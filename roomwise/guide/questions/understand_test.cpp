@@ -286,6 +286,147 @@ TEST(UnderstandTest, WhoIsLedAndTellsOfSomethingAheadCannotGoOn) {
   EXPECT_EQ(told(while_led(hear("where is the bed"))), "where_is bed");
 }
 
+// "en:stop stop" and who is led hears it.
+std::string told_while_led(const std::string& text) {
+  const std::string language = text.substr(0, 2);
+  const std::string said = text.substr(3);
+  return told(
+      while_led(unless_stopped(hear(said, language), said, catalogue().in(language), some_home())));
+}
+
+TEST(UnderstandTest, WhoIsLedStopsInWhateverWords) {
+  for (const char* text : {"en:stop",
+                           "en:stop stop",
+                           "en:stop stop stop",
+                           "en:no stop",
+                           "en:stop walking",
+                           "en:please stop now",
+                           "en:I want to stop",
+                           "en:enough",
+                           "en:halt",
+                           "en:quit",
+                           "en:cancel that",
+                           "en:thanks that is enough",
+                           "en:I don't want to go there",
+                           "en:forget it",
+                           "en:never mind",
+                           "en:my dear stop at once",
+                           "en:whoa stop",
+                           "de:stopp stopp",
+                           "de:halt stopp",
+                           "de:anhalten",
+                           "de:bleib stehen",
+                           "de:stehen bleiben",
+                           "de:aufhören",
+                           "de:ich will nicht mehr",
+                           "de:genug",
+                           "de:hör auf damit",
+                           "de:ich will da nicht hin",
+                           "de:danke das reicht",
+                           "de:vergiss es",
+                           "de:du sollst stopp machen",
+                           "es:para para",
+                           "es:detente",
+                           "es:deténgase",
+                           "es:párate",
+                           "es:stop",
+                           "es:frena",
+                           "es:ya basta",
+                           "es:basta ya",
+                           "es:ya no quiero",
+                           "es:no quiero ir allí",
+                           "es:déjalo",
+                           "es:olvídalo",
+                           "es:no para",
+                           "fr:arrête-toi",
+                           "fr:arrêtez-vous",
+                           "fr:arrête tout",
+                           "fr:halte",
+                           "fr:ça suffit",
+                           "fr:assez",
+                           "fr:stop stop",
+                           "fr:je ne veux plus",
+                           "fr:je ne veux pas y aller",
+                           "fr:laisse tomber",
+                           "fr:merci ça suffit",
+                           "fr:mais arrête donc un peu"}) {
+    EXPECT_EQ(told_while_led(text), "end") << text;
+  }
+  for (const char* text :
+       {"en:wait wait", "en:hang on a second", "en:hold on please", "en:would you wait for me",
+        "de:warte warte", "de:einen Augenblick", "de:Moment mal", "es:espera espera", "es:espérate",
+        "es:un momentito", "fr:attends attends", "fr:un instant", "fr:une seconde",
+        "en:do not ever stop", "de:jetzt nicht anhalten du", "fr:n'arrête surtout pas"}) {
+    EXPECT_EQ(told_while_led(text), "pause") << text;
+  }
+  EXPECT_EQ(told_while_led("en:where did the tram stop"), "end") << "rather than walk on";
+  EXPECT_EQ(told_while_led("en:what does it say at the stop in the kitchen"), "not understood");
+  EXPECT_EQ(told_while_led("en:where is the bed"), "where_is bed");
+}
+
+TEST(UnderstandTest, AWordOfTheLanguageIsNoNameWithASlip) {
+  HomeNames home = some_home();
+  home.things.emplace_back("flower");
+  home.rooms.emplace_back("hall");
+  const auto said = [&](const std::string& text, const std::string& language) {
+    return told(understand(text, catalogue().in(language), home));
+  };
+  EXPECT_EQ(said("halt", "en"), "end");
+  EXPECT_EQ(said("hall", "en"), "named hall");
+  EXPECT_EQ(english("hall"), "unknown: named hall") << "not halt with a slip";
+  EXPECT_EQ(said("quit", "en"), "end");
+  EXPECT_EQ(said("hallo", "de"), "not understood") << "and no Diele";
+}
+
+TEST(UnderstandTest, EmergenciesAreHeardAndNeverBySlips) {
+  const std::map<std::string, std::vector<std::string>> asked{
+      {"help",
+       {"en:help", "en:help me!", "en:help help", "de:Hilfe", "de:hilf mir", "es:ayuda",
+        "es:¡Socorro!", "fr:à l'aide", "fr:au secours", "fr:aidez-moi"}},
+      {"emergency",
+       {"en:I fell",
+        "en:I've fallen",
+        "en:call the ambulance",
+        "en:call an ambulance",
+        "en:fire",
+        "en:it smells of gas",
+        "en:I smell gas",
+        "en:call my daughter",
+        "en:I'm hurt",
+        "en:I can't get up",
+        "de:ich bin gestürzt",
+        "de:ruf den Notarzt",
+        "de:es brennt",
+        "de:es riecht nach Gas",
+        "de:ruf meine Tochter an",
+        "de:ich habe mich verletzt",
+        "es:me caí",
+        "es:llama a una ambulancia",
+        "es:fuego",
+        "es:huele a gas",
+        "es:llama a mi hija",
+        "es:me duele mucho",
+        "fr:je suis tombé",
+        "fr:je suis tombée",
+        "fr:appelle une ambulance",
+        "fr:au feu",
+        "fr:ça sent le gaz",
+        "fr:appelle ma fille",
+        "fr:je me suis fait mal"}},
+      {"take_me_out",
+       {"en:way out", "en:the exit", "en:fire! how do I get out", "de:Ausgang",
+        "de:es brennt wie komme ich raus", "es:salida", "es:hay fuego cómo salgo", "fr:sortie",
+        "fr:au feu comment sortir"}},
+  };
+  for (const auto& [meaning, texts] : asked) {
+    for (const std::string& text : texts) {
+      EXPECT_EQ(told(hear(text.substr(3), text.substr(0, 2))), meaning) << text;
+    }
+  }
+  EXPECT_NE(english("halp"), "help");
+  EXPECT_NE(english("I feel"), "emergency");
+}
+
 TEST(UnderstandTest, ThingsThatWereTaughtAreKnownByTheirNames) {
   HomeNames home = some_home();
   home.things.push_back("my blue mug");

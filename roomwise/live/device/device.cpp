@@ -312,17 +312,21 @@ void Device::understand(const Asked& asked) {
   const guide::HomeNames names = names_in(*view);
   guide::Wording wording;
   guide::Understood offered;
-  bool led = false;
+  bool led = false, follows_way = false;
   {
     const std::scoped_lock lock(mutex_);
-    led = is_led() && led_->follows_way();
+    led = is_led();
+    follows_way = led && led_->follows_way();
     wording = wording_of(settings_);
     offered = std::exchange(offered_, {});
     if (in_words.t_ms > offered_until_t_ms_) offered = {};
   }
   guide::Understood heard =
       guide::in_answer_to(offered, guide::understand(in_words.subject, wording.phrases(), names));
-  if (led) heard = guide::while_led(std::move(heard));
+  if (led) {
+    heard = guide::unless_stopped(std::move(heard), in_words.subject, wording.phrases(), names);
+  }
+  if (follows_way) heard = guide::while_led(std::move(heard));
   if (const auto ask = ask_of(heard, in_words)) {
     const guide::UserLocation location = location_now(in_words.t_ms);
     auto rooms = rooms_to_choose(*ask, *view, location, wording);
@@ -331,14 +335,22 @@ void Device::understand(const Asked& asked) {
     heard = rooms.empty() ? guide::which_door(std::move(heard), behind_doors)
                           : guide::which_room(std::move(heard), std::move(rooms));
   }
-  const auto prompts =
-      guide::refusal_prompts(heard, names, wording, std::llround(in_words.t_ms * 1e6));
+  auto prompts = guide::refusal_prompts(heard, names, wording, std::llround(in_words.t_ms * 1e6),
+                                        {location_now(in_words.t_ms).room, led});
   {
     const std::scoped_lock lock(mutex_);
+    const bool is_emergency =
+        heard.outcome == guide::Understood::Outcome::kQuestion &&
+        (heard.type == guide::QuestionType::kEmergency || heard.type == guide::QuestionType::kHelp);
+    if (is_emergency && is_led()) {
+      prompts.insert(prompts.begin(), led_->hear(service::GuideWish::kPause, in_words.t_ms));
+      if (settings_.may_watch) watch_.say(prompts, Clock::now());
+    }
     offered_ = heard;
     offered_until_t_ms_ = static_cast<double>(prompts.front().valid_until_ns) / 1e6;
   }
   say(prompts, in_words.id, {});
+  show_walk(false);
   host_.answered(in_words.question, seconds_since(asked.came));
 }
 

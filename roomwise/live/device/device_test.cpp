@@ -413,7 +413,8 @@ TEST_F(DeviceTest, ThatWhatWasForgottenIsNotErasedYetIsSaid) {
   const auto prompts = wire->take<service::PromptMessage>();
   ASSERT_THAT(prompts, SizeIs(2));
   EXPECT_EQ(prompts[0].text, "My mug is forgotten, but not erased yet.");
-  EXPECT_EQ(prompts[0].replace_key, "teaching") << "in the place of what was answered, if that still waits";
+  EXPECT_EQ(prompts[0].replace_key, "teaching")
+      << "in the place of what was answered, if that still waits";
   EXPECT_EQ(prompts[1].text, "The remembered place is forgotten, but not erased yet.");
   EXPECT_EQ(prompts[1].replace_key, "spot");
   EXPECT_EQ(prompts[1].because, "the disk is full");
@@ -990,6 +991,21 @@ TEST_F(DeviceTest, AQuestionInWordsIsAnsweredAsByItsButton) {
             "I do not know where you stand. Turn slowly.");
   EXPECT_EQ(answers(8, service::Question::kInWords, "yes"), "I did not understand.")
       << "that was answered";
+}
+
+TEST_F(DeviceTest, WhoNeedsHelpHearsThatNobodyIsCalledAndWhatHelps) {
+  say(hello());
+  const auto said = [&](std::int64_t id, const std::string& text) {
+    ask(id, 100, service::Question::kInWords, text);
+    std::vector<std::string> texts;
+    for (const auto& prompt : wire->take<service::PromptMessage>()) texts.push_back(prompt.text);
+    return texts;
+  };
+  EXPECT_THAT(said(1, "I fell"),
+              ElementsAre("I cannot call anybody.", "Say: way out. Then I lead you out."));
+  EXPECT_THAT(said(2, "help"),
+              ElementsAre("I cannot call anybody.", "Say: way out. Then I lead you out.",
+                          "Say: what can I ask. Then I give examples."));
 }
 
 TEST_F(DeviceTest, AYesAnswersAnOfferOnlyUntilAnythingElseIsAskedAndWhileItHolds) {
