@@ -177,6 +177,9 @@ Expected<Grammar> Grammar::parse(const nlohmann::json& questions) {
     grammar.determiners_ = word_set(questions.at("determiners"));
     grammar.possessives_ = word_set(questions.at("possessives"));
     grammar.inside_ = word_set(questions.at("inside"));
+    grammar.generic_ = word_set(questions.at("generic"));
+    questions.at("alike").get_to(grammar.alike_);
+    grammar.joins_ = folded_texts(questions.at("joins"));
     grammar.negations_ = word_set(questions.at("negations"));
     grammar.fillers_ = folded_texts(questions.at("fillers"));
     grammar.stops_ = folded_texts(questions.at("stops"));
@@ -219,6 +222,14 @@ Expected<Grammar> Grammar::parse(const nlohmann::json& questions) {
   }
   if (!patterns.empty()) return fail("questions: there is no type \"{}\"", patterns.begin()->first);
   return grammar;
+}
+
+std::set<std::string> Grammar::rooms_alike(const std::string& room) const {
+  std::set<std::string> all{room};
+  for (const auto& group : alike_) {
+    if (group.contains(room)) all.insert(group.begin(), group.end());
+  }
+  return all;
 }
 
 bool Grammar::says_stop(std::span<const std::string> words) const {

@@ -51,6 +51,9 @@ struct DoorPattern {
 //   name may end with besides: "s".
 //   stops        what says, anywhere in a few words, that who is led wants to stop; waits: for a
 //   while.
+//   generic      words for any room: "room". alike: rooms, by the home's words, whose names people
+//   use for each other.
+//   joins        what may stand between two questions: "and".
 //   negations    what may turn that into its opposite: "not".
 class Grammar {
  public:
@@ -72,6 +75,10 @@ class Grammar {
   [[nodiscard]] bool says_stop(std::span<const std::string> words) const;
   [[nodiscard]] bool says_wait(std::span<const std::string> words) const;
   [[nodiscard]] bool denies(std::span<const std::string> words) const;
+  [[nodiscard]] bool is_any_room(const std::string& word) const { return generic_.contains(word); }
+  // The home's words for rooms that may be meant by the name of this one: itself among them.
+  [[nodiscard]] std::set<std::string> rooms_alike(const std::string& room) const;
+  [[nodiscard]] std::span<const std::vector<std::string>> joins() const { return joins_; }
   // Whether a pattern or a filler has the word: it is then no name with a slip.
   [[nodiscard]] bool knows(const std::string& word) const { return own_words_.contains(word); }
 
@@ -79,9 +86,10 @@ class Grammar {
   std::vector<QuestionPattern> patterns_;
   std::vector<DoorPattern> doors_;
   std::set<std::string> determiners_, possessives_, inside_;
-  std::set<std::string> negations_, own_words_;
+  std::set<std::string> negations_, own_words_, generic_;
+  std::vector<std::set<std::string>> alike_;
   std::vector<std::vector<std::string>> fillers_;  // the longest first
-  std::vector<std::vector<std::string>> stops_, waits_;
+  std::vector<std::vector<std::string>> stops_, waits_, joins_;
   std::vector<std::string> endings_;
 };
 

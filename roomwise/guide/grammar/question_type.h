@@ -33,6 +33,7 @@ enum class QuestionType {
   kWhatCanIAsk,
   kHelp,         // of whatever kind
   kEmergency,    // somebody fell, or it burns
+  kSettings,     // to speak otherwise
   kTeachThing,   // a thing is to be shown
   kForgetThing,  // that was taught
   kShareThing,   // with all people of the home
@@ -45,13 +46,20 @@ enum class QuestionType {
   kIsItLight,  // in the picture
   kShowWalks,  // to helpers
   kHideWalks,
-  kYes,         // to "Did you mean ...?"
+  kYes,  // to "Did you mean ...?"
+  kNo,
+  kFirst,  // of those that were offered, down to kNearest
+  kSecond,
+  kThird,
+  kNearest,
+  kThere,       // to be led to what was named last
+  kAlso,        // the same of another
   kNamed,       // a name alone
   kCannotTell,  // what no picture and no map can answer
 };
 
 // As catalogues call them.
-constexpr std::array<std::pair<std::string_view, QuestionType>, 39> kQuestionTypes{
+constexpr std::array<std::pair<std::string_view, QuestionType>, 47> kQuestionTypes{
     {{"where_am_i", QuestionType::kWhereAmI},
      {"around_me", QuestionType::kAroundMe},
      {"where_is", QuestionType::kWhereIs},
@@ -76,7 +84,15 @@ constexpr std::array<std::pair<std::string_view, QuestionType>, 39> kQuestionTyp
      {"what_can_i_ask", QuestionType::kWhatCanIAsk},
      {"help", QuestionType::kHelp},
      {"emergency", QuestionType::kEmergency},
+     {"settings", QuestionType::kSettings},
      {"yes", QuestionType::kYes},
+     {"no", QuestionType::kNo},
+     {"first", QuestionType::kFirst},
+     {"second", QuestionType::kSecond},
+     {"third", QuestionType::kThird},
+     {"nearest", QuestionType::kNearest},
+     {"there", QuestionType::kThere},
+     {"also", QuestionType::kAlso},
      {"named", QuestionType::kNamed},
      {"cannot_tell", QuestionType::kCannotTell},
      {"teach_thing", QuestionType::kTeachThing},

@@ -206,6 +206,11 @@ FoundName NameIndex::find(std::span<const std::string> words, Slot slot) const {
   if (Nouns nouns = exact(key, slot, true, Way::kLabel); !nouns.empty()) {
     return {NameMatch::kKnown, std::move(nouns)};
   }
+  // "My room": which one is asked.
+  const bool may_be_room = slot != Slot::kThing && slot != Slot::kSpot;
+  if (may_be_room && phrases_.grammar().is_any_room(key)) {
+    if (Nouns rooms = rooms_of_home(); !rooms.empty()) return {NameMatch::kNear, std::move(rooms)};
+  }
   if (Nouns nouns = with_endings(key, slot); !nouns.empty()) {
     return {NameMatch::kKnown, std::move(nouns)};
   }
@@ -215,6 +220,12 @@ FoundName NameIndex::find(std::span<const std::string> words, Slot slot) const {
     return {NameMatch::kKnown, std::move(nouns)};
   }
   if (Nouns nouns = exact(key, slot, false, Way::kLabel); !nouns.empty()) {
+    // "The corridor" of a home that has a hall and neither a corridor nor an entrance.
+    for (const Noun& noun : nouns) {
+      if (noun.kind != Noun::Kind::kRoom) continue;
+      Nouns alike = rooms_of_home(phrases_.grammar().rooms_alike(noun.name));
+      if (alike.size() == 1) return {NameMatch::kKnown, std::move(alike)};
+    }
     return {NameMatch::kAbsent, {nouns.front()}};
   }
   if (Nouns nouns = exact(key, slot, true, Way::kPart); slot != Slot::kSpot && !nouns.empty()) {
@@ -292,6 +303,24 @@ FoundName NameIndex::find_door(const DoorPattern& pattern,
     }
   }
   return {};
+}
+
+Nouns NameIndex::rooms_of_home() const {
+  Nouns rooms;
+  for (const Entry& entry : entries_) {
+    const bool is_room = entry.is_of_home && entry.noun.kind == Noun::Kind::kRoom;
+    if (is_room && std::ranges::find(rooms, entry.noun.name, &Noun::name) == rooms.end()) {
+      rooms.push_back(entry.noun);
+    }
+  }
+  return rooms;
+}
+
+Nouns NameIndex::rooms_of_home(const std::set<std::string>& kinds) const {
+  Nouns rooms = rooms_of_home();
+  std::erase_if(rooms,
+                [&](const Noun& room) { return !kinds.contains(without_last_number(room.name)); });
+  return rooms;
 }
 
 bool NameIndex::is_name(const std::string& word) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -76,6 +77,9 @@ class NameIndex {
   // Of the spots that are called "my chair" those that "chair" means, in whatever case: "meinem
   // Stuhl".
   [[nodiscard]] Nouns own_spots(const std::string& key, Slot slot) const;
+  // Of the home's rooms all, or those whose kind is one of these.
+  [[nodiscard]] Nouns rooms_of_home() const;
+  [[nodiscard]] Nouns rooms_of_home(const std::set<std::string>& kinds) const;
   [[nodiscard]] bool is_known(std::span<const std::string> words) const;
   [[nodiscard]] Nouns exact(const std::string& key, Slot slot, bool is_of_home, Way least) const;
   [[nodiscard]] Nouns with_endings(const std::string& key, Slot slot) const;

@@ -65,6 +65,11 @@ std::vector<Prompt> refusal_prompts(const Understood& heard, const HomeNames& ho
     refusal.say_emergency(now.room, is_help);
     return refusal.take();
   }
+  if (heard.outcome == Outcome::kQuestion && heard.type == QuestionType::kSettings) {
+    refusal.say("ask.settings");
+    refusal.say("ask.settings_sound");
+    return refusal.take();
+  }
   switch (heard.outcome) {
     case Outcome::kWhichOne:
       refusal.say("ask.which_one", {{"names", heard.names}});
@@ -77,6 +82,9 @@ std::vector<Prompt> refusal_prompts(const Understood& heard, const HomeNames& ho
       return refusal.take();
     case Outcome::kDidYouMean:
       refusal.say("ask.did_you_mean", {{"name", heard.names}});
+      return refusal.take();
+    case Outcome::kDeclined:
+      refusal.say("ask.all_right");
       return refusal.take();
     case Outcome::kUnknownName:
       refusal.say("where.unknown", {{"thing", heard.names}});

@@ -14,24 +14,34 @@ namespace {
 using Outcome = Understood::Outcome;
 
 constexpr std::size_t kMaxWords = 40;
-constexpr std::size_t kMaxWordsOfAName = 5;  // that nobody gave; more are no name
+constexpr std::size_t kMaxWordsOfAName = 4;  // that nobody gave; more are no name
 
 // One way to read a text.
 struct Reading {
   const QuestionPattern* pattern = nullptr;
   FoundName name;  // kKnown where the pattern has no slot
   std::vector<std::string> said;
+  int slips = 0;  // in the pattern's words
 
   [[nodiscard]] auto rank() const {
     const auto own_words = static_cast<int>(pattern->before.size() + pattern->after.size());
-    return std::tuple(name.match, -own_words, said.size());
+    return std::tuple(name.match, slips, -own_words, said.size());
+  }
+  // "Genu", a slip away from "genau" and from "genug": nobody knows which was meant.
+  [[nodiscard]] bool rivals(const Reading& other) const {
+    return slips > 0 && slips == other.slips && name.match == other.name.match &&
+           pattern->type != other.pattern->type;
   }
 };
 
 constexpr std::size_t kMaxWordsOfAStop = 6;
 
-bool is_word(const std::string& wanted, const std::string& said, bool forgives) {
-  return wanted == said || (forgives && slips_between(wanted, said) <= forgiven_slips(wanted));
+// How many slips make `wanted` of what was said; nothing where they are too many.
+std::optional<int> slips_in(const std::string& wanted, const std::string& said, bool forgives) {
+  if (wanted == said) return 0;
+  if (!forgives) return std::nullopt;
+  const int slips = slips_between(wanted, said);
+  return slips <= forgiven_slips(wanted) ? std::optional(slips) : std::nullopt;
 }
 
 // Whether slips in the pattern's words are forgiven for what was said. Nothing but one word tells
@@ -43,30 +53,41 @@ bool may_have_slips(const QuestionPattern& pattern, std::span<const std::string>
   return !is_word_alone || !(names.is_name(words.front()) || grammar.knows(words.front()));
 }
 
-// What stands in the slot; nothing where the words are no such question. Empty without a slot.
-std::optional<std::span<const std::string>> words_in_slot(const QuestionPattern& pattern,
-                                                          std::span<const std::string> words,
-                                                          bool forgives) {
+struct SlotWords {
+  std::span<const std::string> inside;  // what stands in the slot; empty without a slot
+  int slips = 0;                        // in the words around it
+};
+
+// Nothing where the words are no such question.
+std::optional<SlotWords> words_in_slot(const QuestionPattern& pattern,
+                                       std::span<const std::string> words, bool forgives) {
   const std::size_t own = pattern.before.size() + pattern.after.size();
   if (pattern.slot ? words.size() <= own : words.size() != own) return std::nullopt;
+  SlotWords found{words.subspan(pattern.before.size(), words.size() - own)};
   const auto agree = [&](const std::vector<std::string>& wanted,
                          std::span<const std::string> said) {
     return std::ranges::equal(wanted, said, [&](const std::string& one, const std::string& other) {
-      return is_word(one, other, forgives);
+      const auto slips = slips_in(one, other, forgives);
+      found.slips += slips.value_or(0);
+      return slips.has_value();
     });
   };
   const bool is_asked = agree(pattern.before, words.first(pattern.before.size())) &&
                         agree(pattern.after, words.last(pattern.after.size()));
-  if (!is_asked) return std::nullopt;
-  return words.subspan(pattern.before.size(), words.size() - own);
+  return is_asked ? std::optional(found) : std::nullopt;
 }
 
 // That somebody may call something so. Of "is there a cup on the table" no name is left to deny:
 // the home has a table, and "I know no cup on the table" would say more than anybody knows.
 bool is_believed(const QuestionPattern& pattern, std::span<const std::string> said,
-                 const NameIndex& names) {
+                 const NameIndex& names, const Grammar& grammar) {
   const bool is_name_alone = pattern.before.empty() && pattern.after.empty();
   if (is_name_alone || said.size() > kMaxWordsOfAName) return false;
+  // "I know no to sit down here": what is left of a sentence is no name.
+  const bool holds_own_words = std::ranges::any_of(said, [&](const std::string& word) {
+    return grammar.knows(word) && !grammar.is_determiner(word);
+  });
+  if (holds_own_words && pattern.type != QuestionType::kCannotTell) return false;
   return pattern.type == QuestionType::kCannotTell || !names.has_name_inside(said);
 }
 
@@ -77,29 +98,30 @@ bool asks_for_place(QuestionType type) {
 }
 
 std::optional<Reading> read_as(const QuestionPattern& pattern, std::span<const std::string> words,
-                               const NameIndex& names, bool forgives) {
-  const auto inside = words_in_slot(pattern, words, forgives);
-  if (!inside) return std::nullopt;
-  Reading reading{&pattern, {NameMatch::kKnown, {}}, {}};
+                               const NameIndex& names, const Grammar& grammar, bool forgives) {
+  const auto found = words_in_slot(pattern, words, forgives);
+  if (!found) return std::nullopt;
+  const std::span<const std::string> inside = found->inside;
+  Reading reading{&pattern, {NameMatch::kKnown, {}}, {}, found->slips};
   if (!pattern.slot) return reading;
   if (pattern.slot == Slot::kNew) {
-    reading.said = names.new_name(*inside);
+    reading.said = names.new_name(inside);
     if (reading.said.empty() || reading.said.size() > kMaxWordsOfAName) return std::nullopt;
     return reading;
   }
-  reading.name = names.find(*inside, *pattern.slot);
+  reading.name = names.find(inside, *pattern.slot);
   if (reading.name.match != NameMatch::kKnown && asks_for_place(pattern.type)) {
-    FoundName in_room = names.find_in_room(*inside);
+    FoundName in_room = names.find_in_room(inside);
     if (in_room.match == NameMatch::kKnown) reading.name = std::move(in_room);
   }
   const bool may_be_door = pattern.slot == Slot::kPlace || pattern.slot == Slot::kGoal;
   if (reading.name.match != NameMatch::kKnown && may_be_door) {
-    FoundName door = names.find_door(*inside);
+    FoundName door = names.find_door(inside);
     if (door.match != NameMatch::kUnknown) reading.name = std::move(door);
   }
-  const auto said = names.without_determiners(*inside);
+  const auto said = names.without_determiners(inside);
   reading.said.assign(said.begin(), said.end());
-  if (reading.name.match == NameMatch::kUnknown && !is_believed(pattern, said, names)) {
+  if (reading.name.match == NameMatch::kUnknown && !is_believed(pattern, said, names, grammar)) {
     return std::nullopt;
   }
   return reading;
@@ -108,12 +130,22 @@ std::optional<Reading> read_as(const QuestionPattern& pattern, std::span<const s
 std::optional<Reading> best_reading(std::span<const std::string> words, const Grammar& grammar,
                                     const NameIndex& names, bool forgives) {
   std::optional<Reading> best;
+  bool has_rival = false;
   for (const QuestionPattern& pattern : grammar.patterns()) {
     const bool forgives_here = forgives && may_have_slips(pattern, words, names, grammar);
-    auto reading = read_as(pattern, words, names, forgives_here);
-    if (reading && (!best || reading->rank() < best->rank())) best = std::move(reading);
+    auto reading = read_as(pattern, words, names, grammar, forgives_here);
+    if (!reading) continue;
+    const bool is_rival = best && reading->rivals(*best);
+    if (best && reading->rank() >= best->rank()) {
+      has_rival |= is_rival;
+      continue;
+    }
+    const bool is_as_near =
+        best && reading->name.match == best->name.match && reading->slips == best->slips;
+    has_rival = is_as_near && (has_rival || is_rival);
+    best = std::move(reading);
   }
-  return best;
+  return has_rival ? std::nullopt : best;
 }
 
 bool is_whole(const std::optional<Reading>& reading) {
@@ -163,6 +195,24 @@ Understood meaning_of(Reading reading, const Spellings& spellings) {
   return meaning;
 }
 
+// Of "where is the table and what is on it", two questions, the first.
+std::optional<Reading> first_of_two(std::span<const std::string> words, const Grammar& grammar,
+                                    const NameIndex& names) {
+  for (const auto& join : grammar.joins()) {
+    for (std::size_t at = 1; at + join.size() < words.size(); ++at) {
+      if (!std::ranges::equal(words.subspan(at, join.size()), join)) continue;
+      auto first = best_reading(words.first(at), grammar, names, false);
+      if (!is_whole(first)) continue;
+      const bool is_urgent = first->pattern->type == QuestionType::kEmergency;
+      if (is_urgent ||
+          is_whole(best_reading(words.subspan(at + join.size()), grammar, names, false))) {
+        return first;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 std::vector<std::string> without_repeats(std::vector<std::string> words) {
   words.erase(std::ranges::unique(words).begin(), words.end());
   return words;
@@ -191,6 +241,9 @@ Understood understand(std::string_view text, const Phrasebook& phrases, const Ho
       const bool is_better = reading && (!first || reading->rank() < first->rank());
       if (is_better && !forgives) first = std::move(reading);
     }
+  }
+  if (auto one = first_of_two(grammar.without_fillers(whole), grammar, names)) {
+    return meaning_of(*std::move(one), spellings);
   }
   return first ? meaning_of(*std::move(first), spellings) : Understood{};
 }
@@ -222,7 +275,11 @@ Understood door_chosen(const Understood& offer, Understood said) {
       return noun.kind == Noun::Kind::kRoom && noun.name == offer.rooms[i].name;
     });
     if (is_meant) {
-      return {Outcome::kQuestion, offer.type, offer.names, {offer.rooms.front(), offer.rooms[i]}};
+      return {Outcome::kQuestion,
+              offer.type,
+              offer.names,
+              false,
+              {offer.rooms.front(), offer.rooms[i]}};
     }
   }
   return said;
@@ -230,7 +287,64 @@ Understood door_chosen(const Understood& offer, Understood said) {
 
 }  // namespace
 
+namespace {
+
+bool is_offer(const Understood& heard) {
+  return heard.outcome == Outcome::kDidYouMean || heard.outcome == Outcome::kWhichOne ||
+         heard.outcome == Outcome::kWhichRoom || heard.outcome == Outcome::kWhichDoor;
+}
+
+std::optional<std::size_t> place_in_offer(QuestionType type) {
+  switch (type) {
+    case QuestionType::kFirst:
+      return 0;
+    case QuestionType::kSecond:
+      return 1;
+    case QuestionType::kThird:
+      return 2;
+    default:
+      return std::nullopt;
+  }
+}
+
+// "The second one"; nothing where there are not so many.
+std::optional<Understood> chosen(const Understood& offer, std::size_t place) {
+  Understood meant{Outcome::kQuestion, offer.type, offer.names, false, offer.rooms};
+  const bool is_door = offer.outcome == Outcome::kWhichDoor;
+  const bool is_name = offer.outcome == Outcome::kWhichOne;
+  if (!is_name && !is_door && offer.outcome != Outcome::kWhichRoom) return std::nullopt;
+  const std::size_t at = place + (is_door ? 1 : 0);
+  const Nouns& offered = is_name ? offer.names : offer.rooms;
+  if (at >= offered.size()) return std::nullopt;
+  if (is_name) meant.names = {offered[at]};
+  if (!is_name) meant.rooms = {offered[at]};
+  if (is_door) meant.rooms.insert(meant.rooms.begin(), offered.front());
+  return meant;
+}
+
+}  // namespace
+
+Understood following(const Understood& last, Understood said) {
+  const bool is_named = last.outcome == Outcome::kQuestion && !last.names.empty();
+  if (!is_named) return said;
+  const bool leads = said.type == QuestionType::kThere;
+  if (said.outcome == Outcome::kQuestion && (leads || said.type == QuestionType::kHowFar)) {
+    return {Outcome::kQuestion, leads ? QuestionType::kTakeMeTo : QuestionType::kWhereIs,
+            last.names, false, last.rooms};
+  }
+  // Who was led is not led elsewhere by half a sentence.
+  if (said.type == QuestionType::kAlso) said.type = QuestionType::kWhereIs;
+  return said;
+}
+
 Understood in_answer_to(const Understood& offer, Understood said) {
+  if (is_offer(offer) && said.outcome == Outcome::kQuestion) {
+    if (said.type == QuestionType::kNo) return {.outcome = Outcome::kDeclined};
+    if (const auto place = place_in_offer(said.type)) return chosen(offer, *place).value_or(said);
+    if (said.type == QuestionType::kNearest && offer.outcome == Outcome::kWhichRoom) {
+      return {Outcome::kQuestion, offer.type, offer.names, true};
+    }
+  }
   if (offer.outcome == Outcome::kWhichDoor && said.outcome == Outcome::kQuestion) {
     return door_chosen(offer, std::move(said));
   }
@@ -244,13 +358,13 @@ Understood in_answer_to(const Understood& offer, Understood said) {
                                      room.name == said.names.front().name;
                             });
     if (!is_offered) return said;
-    return {Outcome::kQuestion, offer.type, offer.names, said.names};
+    return {Outcome::kQuestion, offer.type, offer.names, false, said.names};
   }
-  const bool is_offer =
+  const bool is_of_names =
       offer.outcome == Outcome::kDidYouMean || offer.outcome == Outcome::kWhichOne;
-  if (!is_offer || said.outcome != Outcome::kQuestion) return said;
+  if (!is_of_names || said.outcome != Outcome::kQuestion) return said;
   if (said.type == QuestionType::kYes && offer.outcome == Outcome::kDidYouMean) {
-    return {Outcome::kQuestion, offer.type, offer.names, offer.rooms};
+    return {Outcome::kQuestion, offer.type, offer.names, false, offer.rooms};
   }
   if (said.type == QuestionType::kNamed) said.type = offer.type;
   return said;

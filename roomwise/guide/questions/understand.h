@@ -32,11 +32,13 @@ struct Understood {
     kDidYouMean,   // the name is a slip away from the one of `names`
     kUnknownName,  // the home has nothing that is called so: `names`, a thing, as it was said
     kCannotTell,   // nothing that Roomwise knows can answer that
+    kDeclined,     // "no" to an offer
     kNotUnderstood,  // it is no question that is known
   };
   Outcome outcome = Outcome::kNotUnderstood;
   QuestionType type = QuestionType::kWhatCanIAsk;  // of all but the last two
   Nouns names = {};
+  bool is_nearest = false;  // whichever of `rooms`
   // The room that was named with a thing: "the chair in the kitchen", or both of a door; of
   // kWhichRoom and kWhichDoor all of them.
   Nouns rooms = {};
@@ -59,8 +61,11 @@ constexpr std::size_t kMaxQuestionBytes = 500;
 // The question to which of these rooms the door of the room leads that was named.
 [[nodiscard]] Understood which_door(Understood question, const std::vector<std::string>& rooms);
 // What is meant by "yes", or by a name alone, after an `offer` (kDidYouMean, kWhichOne; a room's
-// after kWhichRoom and kWhichDoor); else `said` as it is.
+// after kWhichRoom and kWhichDoor), or by "the second one" and the like; else `said` as it is.
 [[nodiscard]] Understood in_answer_to(const Understood& offer, Understood said);
+// What is meant by "take me there", "how far is it" or "and the sink" after `last`, a question with
+// a name; else `said` as it is.
+[[nodiscard]] Understood following(const Understood& last, Understood said);
 // What is meant by who is led: a few words, no question and without a name, that hold a word for
 // stop end it, or where they deny something or hold one for wait, pause it.
 [[nodiscard]] Understood unless_stopped(Understood said, std::string_view text,

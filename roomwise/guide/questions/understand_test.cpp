@@ -65,6 +65,8 @@ std::string told(const Understood& heard) {
       break;
     case Outcome::kCannotTell:
       return "cannot tell";
+    case Outcome::kDeclined:
+      return "declined";
     case Outcome::kNotUnderstood:
       return "not understood";
   }
@@ -425,6 +427,135 @@ TEST(UnderstandTest, EmergenciesAreHeardAndNeverBySlips) {
   }
   EXPECT_NE(english("halp"), "help");
   EXPECT_NE(english("I feel"), "emergency");
+}
+
+TEST(UnderstandTest, AWordForAnyRoomIsTheNameOfNone) {
+  const std::string which =
+      "which one: take_me_to bedroom 1 bedroom 2 children's room kitchen living room toilet";
+  for (const char* text :
+       {"en:bring me to my room", "de:bring mich in mein Zimmer", "es:quiero ir a mi cuarto",
+        "es:llévame a la habitación", "fr:emmène-moi dans la pièce"}) {
+    const std::string said = text;
+    EXPECT_EQ(told(hear(said.substr(3), said.substr(0, 2))), which) << text;
+  }
+  EXPECT_EQ(told(in_answer_to(hear("bring me to my room"), hear("the kitchen"))),
+            "take_me_to kitchen");
+  HomeNames home = some_home();
+  home.rooms = {"Anna's room", "my room"};
+  EXPECT_EQ(told(understand("take me to my room", catalogue().in("en"), home)),
+            "take_me_to my room");
+}
+
+TEST(UnderstandTest, RoomsStandForEachOtherWhereTheHomeHasOneOfThem) {
+  HomeNames home = some_home();
+  home.rooms = {"hall", "kitchen", "living room", "toilet"};
+  const auto said = [&](const std::string& text) {
+    return told(understand(text.substr(3), catalogue().in(text.substr(0, 2)), home));
+  };
+  for (const char* text :
+       {"en:take me to the hallway", "en:take me to the corridor", "de:bring mich auf den Gang",
+        "de:bring mich in den Flur", "es:llévame al pasillo", "es:llévame a la entrada",
+        "fr:emmène-moi dans le couloir", "fr:emmène-moi dans l'entrée"}) {
+    EXPECT_EQ(said(text), "take_me_to hall") << text;
+  }
+  EXPECT_EQ(said("en:take me to the lounge"), "take_me_to living room");
+  EXPECT_EQ(said("es:llévame a la sala"), "take_me_to living room");
+  EXPECT_EQ(said("en:take me to the bathroom"), "take_me_to toilet");
+  EXPECT_EQ(said("es:dónde está el baño"), "where_is toilet");
+  home.rooms.emplace_back("entrance");
+  EXPECT_EQ(said("en:take me to the corridor"), "unknown: take_me_to corridor") << "which?";
+}
+
+TEST(UnderstandTest, WhatIsLeftOfASentenceIsNoName) {
+  for (const char* text : {"en:I need to sit down", "es:hay algo raro",
+                           "fr:où est-ce que je peux aller", "de:ich suche was ich fragen kann"}) {
+    const std::string said = text;
+    EXPECT_EQ(told(hear(said.substr(3), said.substr(0, 2))), "not understood") << text;
+  }
+}
+
+TEST(UnderstandTest, PoliteAndLostPeopleAreUnderstood) {
+  const std::map<std::string, std::vector<std::string>> asked{
+      {"take_me_to kitchen",
+       {"de:könntest du mich bitte in die Küche bringen", "de:wie geht's zur Küche",
+        "es:podrías llevarme a la cocina", "es:me llevas a la cocina",
+        "fr:tu peux m'emmener à la cuisine", "fr:pourriez-vous me conduire à la cuisine",
+        "en:could you please bring me over to the kitchen",
+        "en:take me to the kitchen and then to the toilet",
+        "de:bring mich in die Küche und dann ins Bad"}},
+      {"where_am_i",
+       {"en:excuse me, can you please tell me where I am right now", "en:I'm lost",
+        "en:I don't know where I am", "en:where am I and what is in front of me",
+        "de:ich hab mich verlaufen", "de:ich weiß nicht, wo ich bin", "es:estoy perdida",
+        "es:no sé dónde estoy", "fr:je suis perdu", "fr:où est-ce que je me trouve"}},
+      {"where_am_i kitchen",
+       {"en:am I in the kitchen", "de:bin ich in der Küche", "es:estoy en la cocina",
+        "fr:suis-je dans la cuisine"}},
+      {"settings",
+       {"en:slower", "en:speak louder please", "en:be quiet", "en:in steps please", "de:langsamer",
+        "de:sprich lauter bitte", "de:sei still", "de:in Schritten bitte", "es:más despacio",
+        "es:más alto por favor", "es:silencio", "fr:moins vite", "fr:plus fort s'il te plaît",
+        "fr:tais-toi"}},
+      {"where_is microwave", {"en:where is the microwave and where is the bed"}},
+      {"emergency", {"en:I've fallen and I can't find my way up"}},
+  };
+  for (const auto& [meaning, texts] : asked) {
+    for (const std::string& text : texts) {
+      EXPECT_EQ(told(hear(text.substr(3), text.substr(0, 2))), meaning) << text;
+    }
+  }
+}
+
+TEST(UnderstandTest, AnOfferIsAnsweredByItsPlaceOrByNo) {
+  const Understood rooms = which_room(hear("take me to the table"), {"kitchen", "living room"});
+  const Understood doors =
+      which_door(hear("take me to the kitchen door"), {"living room", "toilet"});
+  const Understood names = hear("take me to the bedroom");
+  const std::map<std::string, std::vector<std::string>> seconds{
+      {"en", {"the second one", "second"}},
+      {"de", {"das zweite", "die zweite"}},
+      {"es", {"la segunda", "el segundo"}},
+      {"fr", {"le deuxième", "la seconde"}}};
+  for (const auto& [language, texts] : seconds) {
+    for (const std::string& text : texts) {
+      const Understood said = hear(text, language);
+      EXPECT_EQ(told(in_answer_to(rooms, said)), "take_me_to table in living room") << text;
+      EXPECT_EQ(told(in_answer_to(names, said)), "take_me_to bedroom 2") << text;
+      EXPECT_EQ(told(in_answer_to(doors, said)), "take_me_to door in kitchen in toilet") << text;
+    }
+  }
+  EXPECT_EQ(told(in_answer_to(rooms, hear("the third one"))), "third") << "there are two";
+  EXPECT_EQ(told(in_answer_to({}, hear("the second one"))), "second");
+  for (const auto& [language, text] :
+       {std::pair("en", "the nearest"), std::pair("de", "der nächste"),
+        std::pair("es", "la más cercana"), std::pair("fr", "la plus proche")}) {
+    const Understood nearest = in_answer_to(rooms, hear(text, language));
+    EXPECT_EQ(told(nearest), "take_me_to table") << text;
+    EXPECT_TRUE(nearest.is_nearest);
+  }
+  const Understood near = hear("take me to the kichen");
+  for (const auto& [language, text] : {std::pair("en", "no"), std::pair("de", "nein danke"),
+                                       std::pair("es", "no"), std::pair("fr", "non")}) {
+    EXPECT_EQ(told(in_answer_to(near, hear(text, language))), "declined") << text;
+  }
+  EXPECT_EQ(told(in_answer_to({}, hear("no"))), "no");
+}
+
+TEST(UnderstandTest, WhatFollowsAQuestionMeansItsName) {
+  const Understood last = hear("where is the table in the kitchen");
+  for (const char* text : {"en:take me there", "de:bring mich hin", "de:bring mich dahin",
+                           "es:llévame ahí", "es:llévame", "fr:emmène-moi là-bas"}) {
+    const std::string said = text;
+    const Understood heard = hear(said.substr(3), said.substr(0, 2));
+    EXPECT_EQ(told(following(last, heard)), "take_me_to table in kitchen") << text;
+    EXPECT_EQ(told(following({}, heard)), "there") << text;
+  }
+  EXPECT_EQ(told(following(last, hear("how far is it"))), "where_is table in kitchen");
+  for (const char* text : {"en:and the bed", "de:und das Bett", "es:y la cama", "fr:et le lit"}) {
+    const std::string said = text;
+    EXPECT_EQ(told(following(last, hear(said.substr(3), said.substr(0, 2)))), "where_is bed");
+  }
+  EXPECT_EQ(told(following(last, hear("where am I"))), "where_am_i");
 }
 
 TEST(UnderstandTest, ThingsThatWereTaughtAreKnownByTheirNames) {

@@ -15,8 +15,9 @@
 namespace roomwise::live {
 namespace {
 
-constexpr int kMaxUnread = 10;          // of messages, before the connection is closed
-constexpr std::size_t kMaxWaiting = 8;  // questions
+constexpr int kMaxUnread = 10;           // of messages, before the connection is closed
+constexpr double kNamedFor_ms = 30'000;  // "take me there" means what was named last
+constexpr std::size_t kMaxWaiting = 8;   // questions
 
 service::Seen seen_of(const FrameResult& result) {
   service::Seen seen;
@@ -311,7 +312,7 @@ void Device::understand(const Asked& asked) {
   const auto view = host_.view_for(who_);
   const guide::HomeNames names = names_in(*view);
   guide::Wording wording;
-  guide::Understood offered;
+  guide::Understood offered, named;
   bool led = false, follows_way = false;
   {
     const std::scoped_lock lock(mutex_);
@@ -320,14 +321,22 @@ void Device::understand(const Asked& asked) {
     wording = wording_of(settings_);
     offered = std::exchange(offered_, {});
     if (in_words.t_ms > offered_until_t_ms_) offered = {};
+    if (in_words.t_ms - named_t_ms_ <= kNamedFor_ms) named = named_;
   }
   guide::Understood heard =
       guide::in_answer_to(offered, guide::understand(in_words.subject, wording.phrases(), names));
+  if (!led) heard = guide::following(named, std::move(heard));
   if (led) {
     heard = guide::unless_stopped(std::move(heard), in_words.subject, wording.phrases(), names);
   }
   if (follows_way) heard = guide::while_led(std::move(heard));
   if (const auto ask = ask_of(heard, in_words)) {
+    if (!heard.names.empty()) {
+      const std::scoped_lock lock(mutex_);
+      named_ = heard;
+      named_t_ms_ = in_words.t_ms;
+    }
+    if (heard.is_nearest) return hear({*ask, asked.came});
     const guide::UserLocation location = location_now(in_words.t_ms);
     auto rooms = rooms_to_choose(*ask, *view, location, wording);
     const auto behind_doors = doors_to_choose(*ask, *view, location, wording);
@@ -346,8 +355,10 @@ void Device::understand(const Asked& asked) {
       prompts.insert(prompts.begin(), led_->hear(service::GuideWish::kPause, in_words.t_ms));
       if (settings_.may_watch) watch_.say(prompts, Clock::now());
     }
-    offered_ = heard;
-    offered_until_t_ms_ = static_cast<double>(prompts.front().valid_until_ns) / 1e6;
+    // A word that is not understood leaves the offer as it is.
+    const bool is_lost = heard.outcome == guide::Understood::Outcome::kNotUnderstood;
+    offered_ = is_lost ? offered : heard;
+    if (!is_lost) offered_until_t_ms_ = static_cast<double>(prompts.front().valid_until_ns) / 1e6;
   }
   say(prompts, in_words.id, {});
   show_walk(false);

@@ -221,6 +221,9 @@ class Device : public std::enable_shared_from_this<Device> {
   // "Did you mean ...?", while the next question may answer it: until then, by the device's clock.
   guide::Understood offered_;
   double offered_until_t_ms_ = 0;
+  // The last question in words with a name, while "take me there" may mean it.
+  guide::Understood named_;
+  double named_t_ms_ = 0;
   std::optional<FrameResult> last_result_;
   Announcer announcer_;
   std::unique_ptr<LedWalk> led_;  // who is led somewhere, or was

@@ -993,6 +993,24 @@ TEST_F(DeviceTest, AQuestionInWordsIsAnsweredAsByItsButton) {
       << "that was answered";
 }
 
+TEST_F(DeviceTest, AnOfferOutlivesWhatIsNotUnderstoodAndANameLastsHalfAMinute) {
+  host.home->rooms = {{"bedroom", "bedroom"}};
+  say(hello());
+  const auto message = [&](std::int64_t id, double t_ms, const std::string& text) {
+    ask(id, t_ms, service::Question::kInWords, text);
+    return wire->take<service::PromptMessage>().at(0).message_id;
+  };
+  EXPECT_EQ(message(1, 100, "where is the bedrom"), "ask.did_you_mean");
+  EXPECT_EQ(message(2, 200, "hm let me think"), "ask.not_understood");
+  EXPECT_EQ(message(3, 300, "yes"), "route.no_place");
+  EXPECT_EQ(message(4, 400, "where is the bedrom"), "ask.did_you_mean");
+  EXPECT_EQ(message(5, 500, "no"), "ask.all_right");
+  EXPECT_EQ(message(6, 600, "yes"), "ask.not_understood") << "it was declined";
+  EXPECT_EQ(message(7, 1'000, "where is the bedroom"), "route.no_place");
+  EXPECT_NE(message(8, 31'000, "take me there"), "ask.not_understood");
+  EXPECT_EQ(message(9, 61'001, "take me there"), "ask.not_understood");
+}
+
 TEST_F(DeviceTest, WhoNeedsHelpHearsThatNobodyIsCalledAndWhatHelps) {
   say(hello());
   const auto said = [&](std::int64_t id, const std::string& text) {
