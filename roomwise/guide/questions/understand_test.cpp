@@ -466,6 +466,31 @@ TEST(UnderstandTest, RoomsStandForEachOtherWhereTheHomeHasOneOfThem) {
   EXPECT_EQ(said("en:take me to the corridor"), "unknown: take_me_to corridor") << "which?";
 }
 
+TEST(UnderstandTest, WordsOfARegionNameWhatTheHomeHas) {
+  HomeNames home = some_home();
+  home.things = {"fridge", "sofa", "stove", "wardrobe"};
+  home.rooms = {"bedroom"};
+  home.goals = {"way out"};
+  const std::map<std::string, std::vector<std::string>> asked{
+      {"where_is fridge",
+       {"de:wo ist der Eisschrank", "es:dónde está la heladera", "es:dónde está el refri",
+        "fr:où est le frigidaire"}},
+      {"where_is sofa", {"de:wo ist das Kanapee", "es:dónde está el sillón"}},
+      {"where_is stove", {"es:dónde está la estufa", "fr:où sont les plaques"}},
+      {"where_is wardrobe", {"de:wo ist der Kasten", "es:dónde está el armario"}},
+      {"take_me_to bedroom", {"es:llévame a la recámara"}},
+      {"where_is way out",
+       {"en:where is the exit, quick", "en:where is the main door", "de:wo ist der Ausgang schnell",
+        "es:dónde está la salida rápido", "es:dónde está la puerta de la calle",
+        "es:dónde está la puerta de entrada", "fr:où est la sortie vite"}}};
+  for (const auto& [meaning, texts] : asked) {
+    for (const std::string& text : texts) {
+      const auto& phrases = catalogue().in(text.substr(0, 2));
+      EXPECT_EQ(told(understand(text.substr(3), phrases, home)), meaning) << text;
+    }
+  }
+}
+
 TEST(UnderstandTest, WhatIsLeftOfASentenceIsNoName) {
   for (const char* text : {"en:I need to sit down", "es:hay algo raro",
                            "fr:où est-ce que je peux aller", "de:ich suche was ich fragen kann"}) {
