@@ -422,6 +422,8 @@ Expected<std::vector<fs::path>> LiveHome::waiting_walks(const std::set<fs::path>
 
 bool LiveHome::walk_waits() {
   if (jobs_->running()) return false;
+  // Who only looks does not wait for what is under way.
+  if (!std::unique_lock(home_mutex_, std::try_to_lock)) return false;
   const auto waiting = waiting_walks();
   return waiting && !waiting->empty();
 }

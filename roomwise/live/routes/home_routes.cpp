@@ -113,9 +113,9 @@ auto cloud_of(geometry::PointCloud MapClouds::*cloud) {
 
 std::vector<HomeRoute> looking_routes() {
   return {{"GET", "/api/home", Role::kDevice,
-           [](LiveHome& home, const auto&, const auto&) {
+           [](LiveHome& home, const auto& request, const auto&) {
              Json json = home_json(*home.view());
-             json["walk_waits"] = home.walk_waits();
+             json["walk_waits"] = request.who->role == Role::kHelper && home.walk_waits();
              return json_answer(json);
            }},
           {"GET", "/api/map/keyframes", Role::kHelper,

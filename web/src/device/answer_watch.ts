@@ -7,6 +7,7 @@ export const kAnsweredWithinMs = 2500;
 export const kLongMs = 3000; // then who asks is told to wait
 export const kWorthHearingMs = 15_000; // from the question on
 const kLateHoldsMs = 10_000;
+const kToWalkBy = /^(guide|route|ahead|around)\.|^where\.(close|direction)/; // messages: true of one place and heading
 
 export class AnswerWatch {
   private asked: number | null = null; // the newest question, until it is answered
@@ -45,7 +46,7 @@ export class AnswerWatch {
   // An answer that comes when it need not be true any more is told as what was so. But nobody is to walk by such words.
   inTime(prompt: Prompt, now: number): Prompt {
     const isLate = prompt.priority === 'answer' && typeof prompt.answer_to === 'number' && now > prompt.valid_until_t;
-    if (!isLate || now - this.askedAt > kWorthHearingMs || prompt.message.startsWith('guide.')) {
+    if (!isLate || now - this.askedAt > kWorthHearingMs || kToWalkBy.test(prompt.message)) {
       return prompt;
     }
     const isPart = prompt.key.includes('/'); // of an answer that began with the word

@@ -65,7 +65,8 @@ test('an answer that comes late is told as what was so; nobody is to walk by it,
   const part = watch.inTime(answer({ key: 'around/1', text: 'A cup.' }), 8000);
   assert.equal(part.text, 'A cup.');
   assert.ok(part.valid_until_t > 8000);
-  for (const other of [answer({ message: 'guide.turn' }), answer({ priority: 'callout' }), answer({ answer_to: null })]) {
+  const toWalkBy = ['guide.turn', 'route.left', 'ahead.free', 'around.thing', 'where.direction_probable'].map((message) => answer({ message }));
+  for (const other of [...toWalkBy, answer({ priority: 'callout' }), answer({ answer_to: null })]) {
     assert.deepEqual(watch.inTime(other, 8000), other);
   }
   assert.deepEqual(watch.inTime(answer(), kWorthHearingMs + 1), answer());

@@ -94,8 +94,9 @@ async function refusalOf(response: Response): Promise<ApiError> {
     if (key !== undefined) {
       return new ApiError(status, text(key));
     }
-    if (message === 'many_codes') {
-      return new ApiError(status, counted('error.many_codes', Number(response.headers.get('Retry-After'))));
+    const seconds = Number(response.headers.get('Retry-After'));
+    if (message === 'many_codes' && seconds > 0) {
+      return new ApiError(status, counted('error.many_codes', seconds));
     }
     if (typeof error === 'string') {
       return new ApiError(status, error, true);

@@ -63,7 +63,8 @@ function sayFrom(region: Element, node: Node): void {
   const top = opened[opened.length - 1];
   const words = (node.textContent ?? '').trim();
   if (words !== '' && !region.closest('dialog')?.contains(top?.log ?? null) && !region.closest('[data-says-in-dialog]')) {
-    const lang = node instanceof Element && node.querySelector<HTMLElement>('[lang]')?.lang;
+    const marked = node instanceof HTMLElement && (node.lang ? node : node.querySelector<HTMLElement>('[lang]'));
+    const lang = marked && marked.lang;
     sayInDialog(h('p', lang ? { lang } : {}, words), region.getAttribute('role') === 'alert');
   }
 }
