@@ -216,13 +216,14 @@ Expected<fs::path> write_sens(const SourceWalk& walk, const fs::path& folder) {
   return folder / "walk.sens";
 }
 
-// Of a Record3D recording; depth is as large as in the app's own.
+// Of a Record3D recording held across: its depth is as large as that of the upright one.
+constexpr int kDepthWidth = made::kDepthHeight, kDepthHeight = made::kDepthWidth;
 std::string record3d_metadata(const SourceWalk& walk) {
   json metadata{
       {"w", walk.camera.width},
       {"h", walk.camera.height},
-      {"dw", made::kDepthWidth},
-      {"dh", made::kDepthHeight},
+      {"dw", kDepthWidth},
+      {"dh", kDepthHeight},
       {"fps", 10},
       {"K", {walk.camera.fx, 0, 0, 0, walk.camera.fy, 0, walk.camera.cx, walk.camera.cy, 1}},
       {"cameraType", 1}};
@@ -254,8 +255,8 @@ Expected<fs::path> write_record3d(const SourceWalk& walk, const fs::path& folder
 
 Expected<fs::path> write_record3d_exr(const SourceWalk& walk, const fs::path& folder) {
   made::ExrPlan depth;
-  depth.width = made::kDepthWidth;
-  depth.height = made::kDepthHeight;
+  depth.width = kDepthWidth;
+  depth.height = kDepthHeight;
   depth.value = [metres = wall_distance_m(walk)](std::size_t, int, int) { return metres; };
   ROOMWISE_RETURN_IF_ERROR(put(folder / "metadata.json", record3d_metadata(walk)));
   for (std::size_t i = 0; i < walk.frames.size(); ++i) {
