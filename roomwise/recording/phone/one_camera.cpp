@@ -91,7 +91,8 @@ PinholeCamera depth_camera(const PinholeCamera& camera, int width, int height) {
 bool has_shape_of(const PinholeCamera& camera, int width, int height) {
   const std::int64_t across = std::int64_t{width} * camera.height;
   const std::int64_t down = std::int64_t{height} * camera.width;
-  return std::abs(across - down) <= std::max(camera.width, camera.height);
+  // A pixel of the smaller of both.
+  return std::abs(across - down) <= std::max({camera.width, camera.height, width, height});
 }
 
 std::size_t first_of_most(std::span<const PictureSize> sizes) {

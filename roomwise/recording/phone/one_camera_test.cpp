@@ -46,6 +46,10 @@ TEST(OneCamera, TellsPicturesOfAnotherShapeButForRounding) {
   camera.height = 1439;
   EXPECT_TRUE(has_shape_of(camera, 256, 192));
   EXPECT_TRUE(has_shape_of(camera, 257, 192));
+  PinholeCamera small = camera;
+  small.width = 320;
+  small.height = 239;
+  EXPECT_TRUE(has_shape_of(small, 640, 480));
   EXPECT_FALSE(has_shape_of(camera, 259, 192));
   EXPECT_FALSE(has_shape_of(camera, 192, 256));
   EXPECT_FALSE(has_shape_of(camera, 256, 144));

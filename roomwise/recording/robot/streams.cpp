@@ -148,17 +148,21 @@ Expected<void> look_at(const Channel& channel, const Bytes& bytes, ImageStream& 
 
 // As the first says that has the size of most of the first few that can be read.
 Expected<void> look_at_some(const MessageLog& log, const Channel& channel, ImageStream& stream) {
-  constexpr std::size_t kEnough = 5;
+  constexpr std::size_t kEnough = 5, kMaxUnreadable = 20;
+  std::size_t unreadable = 0;
   std::vector<ImageStream> seen;
   std::vector<PictureSize> sizes;
   std::optional<Error> why;
   for (const MessagePlace& message : log.messages(stream.channel)) {
-    if (seen.size() == kEnough) break;
+    if (seen.size() == kEnough || unreadable == kMaxUnreadable) break;
     ImageStream one = stream;
     const auto looked = log.read(message).and_then(
         [&](const Bytes& bytes) { return look_at(channel, bytes, one); });
     if (!looked && !why) why = looked.error();
-    if (!looked) continue;
+    if (!looked) {
+      ++unreadable;
+      continue;
+    }
     sizes.emplace_back(one.width, one.height);
     seen.push_back(std::move(one));
   }
