@@ -14,7 +14,8 @@ namespace {
 using Outcome = Understood::Outcome;
 
 constexpr std::size_t kMaxWords = 40;
-constexpr std::size_t kMaxWordsOfAName = 4;  // that nobody gave; more are no name
+constexpr std::size_t kMaxWordsOfAName = 4;     // that nobody gave; more are no name
+constexpr std::size_t kMaxWordsOfANewName = 5;  // that somebody gives
 
 // One way to read a text.
 struct Reading {
@@ -106,7 +107,7 @@ std::optional<Reading> read_as(const QuestionPattern& pattern, std::span<const s
   if (!pattern.slot) return reading;
   if (pattern.slot == Slot::kNew) {
     reading.said = names.new_name(inside);
-    if (reading.said.empty() || reading.said.size() > kMaxWordsOfAName) return std::nullopt;
+    if (reading.said.empty() || reading.said.size() > kMaxWordsOfANewName) return std::nullopt;
     return reading;
   }
   reading.name = names.find(inside, *pattern.slot);

@@ -170,6 +170,7 @@ TEST(UnderstandTest, QuestionsInSpanish) {
   EXPECT_EQ(spanish("donde esta la mesa"), "where_is table") << "typed without accents";
   EXPECT_EQ(spanish("Llévame al aseo, por favor"), "take_me_to toilet");
   EXPECT_EQ(spanish("¿Qué hay encima de la mesa?"), "what_is_on table");
+  EXPECT_EQ(spanish("qué tan grande es el cuarto"), "describe_room");
   EXPECT_EQ(spanish("¿Está abierta la ventana?"), "cannot tell");
   EXPECT_EQ(spanish("¿Qué hay en la cocina?"), "what_is_in kitchen");
 }
@@ -616,6 +617,7 @@ TEST(UnderstandTest, SpotsAreMarkedByTheNameThatSomebodyGives) {
   EXPECT_EQ(told(hear("Marca aquí mi sillón", "es")), "mark_spot mi sillón");
   EXPECT_EQ(told(hear("Retiens cet endroit comme mon fauteuil", "fr")), "mark_spot mon fauteuil");
   EXPECT_EQ(english("mark one two three four five six here"), "not understood") << "no name";
+  EXPECT_EQ(english("mark my small blue coffee mug here"), "mark_spot my small blue coffee mug");
 }
 
 TEST(UnderstandTest, SpotsAreGoalsAndForgottenByTheirNames) {
