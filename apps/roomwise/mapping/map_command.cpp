@@ -395,7 +395,8 @@ void add_map_command(CLI::App& app, Context& context) {
   setting("--features", options.features, "surf, sift or orb",
           CLI::IsMember({"surf", "sift", "orb"}));
   how(add_setting(*command, "--keypoints", options.settings.max_keypoints,
-                  "Maximum number of key-points in a frame"));
+                  "Maximum number of key-points in a frame")
+          ->check(CLI::Range(1, 1'000'000).description("")));
   setting("--keyframe-translation", options.settings.mapper.keyframe_translation_m,
           "A key-frame after this much motion, m", positive());
   setting("--keyframe-rotation", options.settings.mapper.keyframe_rotation_rad,
