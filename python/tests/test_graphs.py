@@ -101,11 +101,8 @@ class PoseGraphs(unittest.TestCase):
         roomwise.PoseGraph(**square()).write(path)
         lines = path.read_text().splitlines()
         path.write_text("\n".join(line for line in lines if not line.startswith("VERTEX_SE3:QUAT 4 ")) + "\n")
-        graph = roomwise.PoseGraph.read(path)
-        with self.assertRaisesRegex(roomwise.Error, "4"):
-            graph.optimize()
-        with self.assertRaisesRegex(roomwise.Error, "no node 4"):
-            graph.error
+        with self.assertRaisesRegex(roomwise.Error, "loose.g2o:8: the edge needs node 4"):
+            roomwise.PoseGraph.read(path)
 
     def test_wrong_arrays_are_named(self):
         changes = [
