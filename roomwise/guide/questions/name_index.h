@@ -40,6 +40,7 @@ class NameIndex {
   [[nodiscard]] FoundName find_door(std::span<const std::string> words) const;
   // Whether a part of the words, not all of them, is a name of the home: "cup on the table".
   [[nodiscard]] bool has_name_inside(std::span<const std::string> words) const;
+  [[nodiscard]] bool is_known(std::span<const std::string> words) const;
   // The same of all words and any part of them.
   [[nodiscard]] bool has_name(std::span<const std::string> words) const;
   // Whether a word is a name of the home or for what homes have.
@@ -80,7 +81,6 @@ class NameIndex {
   // Of the home's rooms all, or those whose kind is one of these.
   [[nodiscard]] Nouns rooms_of_home() const;
   [[nodiscard]] Nouns rooms_of_home(const std::set<std::string>& kinds) const;
-  [[nodiscard]] bool is_known(std::span<const std::string> words) const;
   [[nodiscard]] Nouns exact(const std::string& key, Slot slot, bool is_of_home, Way least) const;
   [[nodiscard]] Nouns with_endings(const std::string& key, Slot slot) const;
   [[nodiscard]] Nouns nearest(const std::string& key, Slot slot) const;

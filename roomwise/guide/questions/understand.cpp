@@ -371,6 +371,22 @@ Understood in_answer_to(const Understood& offer, Understood said) {
   return said;
 }
 
+namespace {
+
+// "The bus stop" is a place.
+bool names_a_stop(std::span<const std::string> words, const NameIndex& names,
+                  const Grammar& grammar) {
+  for (std::size_t begin = 0; begin < words.size(); ++begin) {
+    for (std::size_t count = 1; count <= words.size() - begin; ++count) {
+      const auto part = words.subspan(begin, count);
+      if (grammar.says_stop(part) && names.is_known(part)) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
 Understood unless_stopped(Understood said, std::string_view text, const Phrasebook& phrases,
                           const HomeNames& home) {
   if (said.outcome == Outcome::kQuestion) return said;
@@ -379,8 +395,10 @@ Understood unless_stopped(Understood said, std::string_view text, const Phrasebo
   const bool stops = grammar.says_stop(words);
   const bool waits = grammar.says_wait(words);
   if (words.size() > kMaxWordsOfAStop || !(stops || waits)) return said;
-  if (NameIndex(phrases, home).has_name(words)) return said;
-  const bool ends = stops && !waits && !grammar.denies(words);
+  const NameIndex names(phrases, home);
+  const bool has_name = names.has_name(words);
+  if (has_name && (!stops || names_a_stop(words, names, grammar))) return said;
+  const bool ends = stops && !waits && !has_name && !grammar.denies(words);
   return {Outcome::kQuestion, ends ? QuestionType::kEnd : QuestionType::kPause};
 }
 

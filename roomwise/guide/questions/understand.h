@@ -66,8 +66,9 @@ constexpr std::size_t kMaxQuestionBytes = 500;
 // What is meant by "take me there", "how far is it" or "and the sink" after `last`, a question with
 // a name; else `said` as it is.
 [[nodiscard]] Understood following(const Understood& last, Understood said);
-// What is meant by who is led: a few words, no question and without a name, that hold a word for
-// stop end it, or where they deny something or hold one for wait, pause it.
+// What is meant by who is led: a few words and no question that hold a word for stop end it, or
+// where they deny something, name something else ("Stop, the table!") or hold one for wait and no
+// name, pause it.
 [[nodiscard]] Understood unless_stopped(Understood said, std::string_view text,
                                         const Phrasebook& phrases, const HomeNames& home);
 // What is meant by who is led: "there is something ahead" then says that they cannot go on.

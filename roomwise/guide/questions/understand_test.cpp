@@ -367,6 +367,19 @@ TEST(UnderstandTest, WhoIsLedStopsInWhateverWords) {
   EXPECT_EQ(told_while_led("en:where is the bed"), "where_is bed");
 }
 
+TEST(UnderstandTest, WhoIsLedPausesByAStopWithAThingsName) {
+  for (const char* text : {"en:Stop, the table!", "de:Stopp, die Tür ist zu", "de:halt, ein Tisch",
+                           "fr:stop, la table"}) {
+    EXPECT_EQ(told_while_led(text), "pause") << text;
+  }
+  HomeNames home = some_home();
+  home.spots.emplace_back("bus stop");
+  const std::string text = "oh my bus stop";
+  const Understood said = understand(text, catalogue().in("en"), home);
+  EXPECT_EQ(told(unless_stopped(said, text, catalogue().in("en"), home)), told(said))
+      << "a place of that name";
+}
+
 TEST(UnderstandTest, AWordOfTheLanguageIsNoNameWithASlip) {
   HomeNames home = some_home();
   home.things.emplace_back("flower");
