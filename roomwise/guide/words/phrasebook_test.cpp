@@ -147,7 +147,7 @@ TEST_F(PhrasebookTest, FrenchToiletsAreMany) {
 
 TEST_F(PhrasebookTest, WhatIsSaidOfManyOrOfAnyGenderFitsAll) {
   EXPECT_EQ(french_.text("ask.which_one", {{"names", room_list({"bedroom 1", "bedroom 2"})}}),
-            "Je connais la chambre 1 et la chambre 2. Lequel voulez-vous ?");
+            "Je connais la chambre 1 et la chambre 2. Que choisissez-vous ?");
   EXPECT_EQ(french_.text("changed.gone",
                          {{"room", room("kitchen")}, {"things", thing_list({"bed", "chair"})}}),
             "Disparu dans la cuisine : lit et chaise.");
@@ -179,7 +179,7 @@ TEST_F(PhrasebookTest, NamesThatTheHelperGaveAreSpokenAsTheyAre) {
   EXPECT_EQ(german_.text("where.unknown", {{"thing", thing("Staffelei")}}),
             "Ich kenne hier nichts namens Staffelei.");
   EXPECT_EQ(german_.text("where.count", {{"count", "3"}, {"thing", thing("Staffelei")}}),
-            "Ich kenne 3 Dinge namens Staffelei. Das war Staffelei, am nächsten.");
+            "Ich kenne 3 Dinge namens Staffelei. Das war das nächste namens Staffelei.");
   EXPECT_EQ(english_.text("around.close", {{"things", thing("{hour}")}}), "Close to you: {hour}.");
 }
 
