@@ -37,6 +37,7 @@ void ModelledSight::look(double now_s, const SimulatedWalker& walker) {
   }
   if (!answer->pose) return;
   state_.pose = answer->pose;
+  state_.has_depth = has_depth_;
   state_.obstacles.clear();
   if (has_depth_) {
     const guide::Pose eye{answer->true_place, answer->true_heading_rad};

@@ -17,6 +17,7 @@ using Eigen::Vector2d;
 constexpr double kSmallStep_m = 0.45;  // a whole one would lead past it
 constexpr int kMaxTries = 4;
 constexpr double kPrecise_rad = 10 * kDegree_rad;  // where it was barred: a door's frame, mostly
+constexpr double kAhead_rad = 25 * kDegree_rad;    // what they face
 constexpr double kStandsAfter_s = 1.5;
 
 }  // namespace
@@ -346,7 +347,7 @@ std::optional<Prompt> Guidance::corner(const Pose& pose) {
   if (has_arrived(pose)) return arrive_or_stop(pose);
   if (way_.is_last_leg()) return act(pose);
   const double next_rad = way_.next_leg().heading_rad();
-  const bool has_turned = std::abs(turn_rad(pose.heading_rad, next_rad)) < 25 * kDegree_rad;
+  const bool has_turned = std::abs(turn_rad(pose.heading_rad, next_rad)) < kAhead_rad;
   if (has_turned && !track_.may_turn()) return act(pose);
   if (walks_past_end(pose)) return stop({"guide.stop"});
   // Who was told of the turn before makes it by themselves; who stands still is told.
@@ -457,18 +458,22 @@ std::optional<Prompt> Guidance::stopped(const Pose& pose) {
   if (!barred_.may_be_somebody) barred_.side_to_try = floor_.freer_side(pose);
   floor_.count_try(pose);
   barred_.waits_since_ns = now_ns();
+  said_.wait = false;
   state_ = State::kStopped;
   return say({"guide.no_way_around"}, Confidence::kUnsure);
 }
 
 // For what is in the way and may go. Who stands there may do so when they are asked: it goes on as
-// soon as a picture shows that the way is free, and for a while is not tried before.
+// soon as a picture shows that the way is free, and for a while is not tried before. Only depth of
+// what is ahead of who stands and faces it shows that.
 std::optional<Prompt> Guidance::waiting() {
   constexpr double kMayGo_s = 20;
   const double waited_s = seconds_between(*barred_.waits_since_ns, now_ns());
   if (waited_s < kSameHazard_s) return std::nullopt;
-  const bool is_free =
-      walker_.pose && !is_newly_barred(way_, *walker_.pose, walker_.obstacles, floor_);
+  const bool sees_way = walker_.pose && walker_.has_depth && track_.is_standing() &&
+                        way_.has_legs() &&
+                        std::abs(way_.bearing_error_rad(*walker_.pose)) < kAhead_rad;
+  const bool is_free = sees_way && !is_newly_barred(way_, *walker_.pose, walker_.obstacles, floor_);
   if (is_free || !barred_.may_be_somebody || waited_s > kMayGo_s) {
     barred_.waits_since_ns.reset();
     return std::nullopt;
@@ -759,7 +764,11 @@ Prompt Guidance::say_end_again(const Pose* pose, GuidanceRequest request) {
     return say({"repeat.earlier", {{"text", said_.end}}});
   }
   said_.of_end = goal().kind == Goal::Kind::kRoom ? 1 : 0;
-  return pose == nullptr ? no_place() : state_ == State::kArrived ? arrive(*pose) : end_of_way();
+  if (pose == nullptr) return no_place();
+  if (state_ == State::kArrived) return arrive(*pose);
+  // Elsewhere something else may be in the way, or nothing.
+  barred_.ends_way = floor_.was_barred_at(*pose) && floor_.tries() > kMaxTries;
+  return end_of_way();
 }
 
 // ---- requests ----
@@ -777,6 +786,7 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
                  kNoticeValid_s);
     case GuidanceRequest::kResume:
       if (state_ == State::kPaused) state_ = resumed();
+      barred_.waits_since_ns.reset();
       return say({"guide.resumed"}, Confidence::kSure, kNoticeValid_s);
     default:
       return answer(request);
@@ -818,7 +828,9 @@ Prompt Guidance::answer(GuidanceRequest request) {
   }
   if (state_ == State::kStairs) return say_stairs();  // in the way are the steps themselves
   if (course() == Course::kWaits && request != GuidanceRequest::kBlocked) {
-    return say({"guide.no_way_around"}, Confidence::kUnsure);
+    if (!barred_.may_be_somebody) return say({"guide.no_way_around"}, Confidence::kUnsure);
+    said_.wait = true;
+    return say({"guide.wait_or_ask"});
   }
   // To who stands, turns or is past its end, what comes after the leg is not what to do next.
   const bool follows_leg =

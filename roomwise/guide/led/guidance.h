@@ -23,6 +23,7 @@ struct Walker {
   // What depth shows straight ahead, m, wherever they are, as far as two steps and a body reach and
   // farther; absent where it shows nothing there.
   std::optional<double> obstacle_m = {};
+  bool has_depth = false;  // that picture; else what is absent may be there
   // What they could walk into, as the picture of the pose shows it: where on the floor.
   std::vector<Eigen::Vector2d> obstacles = {};
 };
@@ -186,7 +187,7 @@ class Guidance {
     int of_beginning = 0, of_end = 0;  // how much
     bool what_comes_next = false;      // after this leg
     bool reminder = false;             // of what to do now
-    bool wait = false;                 // that somebody may be in the way
+    bool wait = false;                 // that somebody may be in the way, since they wait
     std::string end;                   // the words of it
   };
   struct Line {  // of the leg, to which they keep or do not

@@ -77,6 +77,7 @@ class GuidanceTest : public ::testing::Test {
     }
     walker.room = room_;
     walker.obstacle_m = depth_m_;
+    walker.has_depth = has_depth_;
     for (const double left_m : {-0.2, -0.1, 0.0, 0.1, 0.2}) {
       if (is_seen_ && obstacle_m_) {
         walker.obstacles.push_back(walker.pose->place_of({*obstacle_m_, left_m}));
@@ -123,7 +124,7 @@ class GuidanceTest : public ::testing::Test {
   TimestampNs now_ns_ = kNow;
   Vector2d place_ = Vector2d::Zero();
   double heading_rad_ = 0, sigma_m_ = 0.02;
-  bool is_seen_ = true, has_rooms_ = true;
+  bool is_seen_ = true, has_depth_ = true, has_rooms_ = true;
   std::optional<std::string> room_;
   std::optional<double> obstacle_m_;  // ahead of them, as broad as a body
   std::optional<double> depth_m_;     // straight ahead, wherever they are
@@ -619,9 +620,42 @@ TEST_F(InACorridor, OnceTheWayIsSeenFreeItGoesOn) {
 
 TEST_F(InACorridor, WhoAsksWhileTheyWaitHearsWhatFor) {
   wait_before_somebody();
-  EXPECT_EQ(ask(GuidanceRequest::kRepeat), "I know no way around it.");
-  EXPECT_EQ(ask(GuidanceRequest::kNext), "I know no way around it.");
+  EXPECT_EQ(ask(GuidanceRequest::kRepeat), "If somebody stands there, ask to pass.");
+  EXPECT_EQ(ask(GuidanceRequest::kNext), "If somebody stands there, ask to pass.");
   EXPECT_EQ(guidance_->course(), Course::kWaits);
+}
+
+TEST_F(InACorridor, WhoTurnsAsideOrIsSeenWithoutDepthHasNoFreeWay) {
+  wait_before_somebody();
+  obstacle_m_.reset();
+  has_depth_ = false;
+  EXPECT_THAT(hear(6), ElementsAre("If somebody stands there, ask to pass."));
+  has_depth_ = true;
+  heading_rad_ = 0.6;
+  EXPECT_THAT(hear(4), IsEmpty());
+  EXPECT_EQ(guidance_->course(), Course::kWaits);
+  heading_rad_ = 0;
+  EXPECT_THAT(hear(3), ElementsAre(StartsWith("Straight on")));
+}
+
+TEST_F(InACorridor, TheSecondBlockageIsWaitedForAloud) {
+  wait_before_somebody();
+  (void)hear(8);
+  obstacle_m_.reset();
+  (void)hear(5);
+  (void)hear(6, 0.6);
+  obstacle_m_ = 0.8;
+  EXPECT_THAT(hear(10), ::testing::IsSupersetOf({"I know no way around it.",
+                                                 "If somebody stands there, ask to pass."}));
+}
+
+TEST_F(InACorridor, WhoGoesOnAfterAPauseWaitsNoMore) {
+  wait_before_somebody();
+  (void)ask(GuidanceRequest::kPause);
+  obstacle_m_.reset();
+  has_depth_ = false;
+  (void)ask(GuidanceRequest::kResume);
+  EXPECT_THAT(hear(3), ElementsAre(StartsWith("Straight on")));
 }
 
 // The walls of a narrow hall are always close, and the plan leads between them.
@@ -1348,6 +1382,12 @@ TEST_F(GuidanceTest, WhoComesNoFurtherIsToldTheRestAndNotSentAgain) {
   EXPECT_THAT(hear(10), ElementsAre("Something is in the way here. Ask again later.",
                                     "The kitchen is the next room."));
   EXPECT_EQ(guidance_->state(), State::kNearest);
+  (void)ask(GuidanceRequest::kRepeat);
+  EXPECT_THAT(hear(4), ElementsAre("Something is in the way here. Ask again later."));
+  place_.x() = 2;
+  (void)hear(4);
+  (void)ask(GuidanceRequest::kRepeat);
+  EXPECT_THAT(hear(10), Not(::testing::Contains(HasSubstr("in the way here")))) << "not elsewhere";
 }
 
 // There is always another way, but they do not find it.

@@ -201,6 +201,7 @@ std::vector<guide::Prompt> LedWalk::after(const FrameResult& result,
   walker.pose_ns = std::llround(result.t_ms * 1e6);
   walker.room = location.room;
   walker.obstacle_m = result.seen_ahead_m;
+  walker.has_depth = result.has_depth;
   walker.obstacles = result.obstacles;
   auto prompt = guidance_->update(walker);
   if (!prompt) return {};
