@@ -763,12 +763,10 @@ Prompt Guidance::say_end_again(const Pose* pose, GuidanceRequest request) {
   if (pose == nullptr && request == GuidanceRequest::kRepeat && !said_.end.empty()) {
     return say({"repeat.earlier", {{"text", said_.end}}});
   }
-  said_.of_end = goal().kind == Goal::Kind::kRoom ? 1 : 0;
-  if (pose == nullptr) return no_place();
-  if (state_ == State::kArrived) return arrive(*pose);
   // Elsewhere something else may be in the way, or nothing.
-  barred_.ends_way = floor_.was_barred_at(*pose) && floor_.tries() > kMaxTries;
-  return end_of_way();
+  barred_.ends_way = barred_.ends_way && pose != nullptr && floor_.was_barred_at(*pose);
+  said_.of_end = goal().kind == Goal::Kind::kRoom && !barred_.ends_way ? 1 : 0;
+  return pose == nullptr ? no_place() : state_ == State::kArrived ? arrive(*pose) : end_of_way();
 }
 
 // ---- requests ----
