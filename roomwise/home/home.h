@@ -286,12 +286,13 @@ struct HomeCheck {
   std::vector<std::uint64_t> damaged_pages;         // from 1; free ones may be among them
   std::vector<std::string> damaged_tables;          // not all of their rows can be read
   std::map<KeyframeId, std::string> lost_pictures;  // why a key-frame's images cannot be read
+  std::vector<OwnThingId> lost_own_things;          // whose pictures cannot be read
   std::vector<std::string> broken_references;  // tables with rows that belong to one that is gone
   std::vector<std::string> doubtful_cameras;   // a recording, and what is unusual about its camera
 
   [[nodiscard]] bool is_whole() const {
     return damaged_pages.empty() && damaged_tables.empty() && lost_pictures.empty() &&
-           broken_references.empty();
+           lost_own_things.empty() && broken_references.empty();
   }
 };
 
@@ -552,6 +553,7 @@ class Home {
   [[nodiscard]] Expected<Bytes> decrypt_if_sealed(KeyframeId keyframe, PictureKind kind,
                                                   Bytes stored) const;
   [[nodiscard]] Expected<std::map<KeyframeId, std::string>> unreadable_pictures() const;
+  [[nodiscard]] Expected<std::vector<OwnThingId>> unreadable_own_things() const;
   // Seals every picture, or opens every one.
   [[nodiscard]] Expected<std::size_t> convert_pictures(bool to_sealed);
   [[nodiscard]] Expected<void> renumber_keyframes();

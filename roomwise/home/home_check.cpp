@@ -37,6 +37,8 @@ std::string finding(const HomeCheck& check) {
   if (!check.broken_references.empty())
     return fmt::format("a row of table '{}' belongs to one that is not there",
                        check.broken_references.front());
+  if (!check.lost_own_things.empty())
+    return "the pictures of a thing that somebody taught cannot be read";
   return fmt::format("page {} differs from its checksum", check.damaged_pages.front());
 }
 
@@ -49,6 +51,7 @@ Expected<HomeCheck> Home::check() const {
   check.damaged_pages = std::move(pages.damaged);
   ROOMWISE_TRY(check.damaged_tables, damaged_tables(database_));
   if (auto images = unreadable_pictures()) check.lost_pictures = *std::move(images);
+  if (auto things = unreadable_own_things()) check.lost_own_things = *std::move(things);
   // Of tables that cannot be read nothing more can be said.
   if (auto references = broken_references(database_))
     check.broken_references = *std::move(references);
@@ -103,6 +106,16 @@ Expected<std::map<KeyframeId, std::string>> Home::unreadable_pictures() const {
       if (const auto is_read = read(view.id, *of_view); !is_read)
         unreadable.emplace(view.keyframe, is_read.error().message);
     }
+  }
+  return unreadable;
+}
+
+Expected<std::vector<OwnThingId>> Home::unreadable_own_things() const {
+  std::vector<OwnThingId> unreadable;
+  if (is_locked()) return unreadable;
+  ROOMWISE_TRY(const auto things, own_things());
+  for (const OwnThing& thing : things) {
+    if (!own_thing_views(thing.id)) unreadable.push_back(thing.id);
   }
   return unreadable;
 }

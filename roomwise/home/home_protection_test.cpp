@@ -360,6 +360,17 @@ TEST_F(ProtectedHome, FindsADepthImageBetweenPicturesThatWasChanged) {
   EXPECT_TRUE(Home::open_read_only(path_)->check()->is_whole()) << "it cannot be looked at";
 }
 
+TEST_F(ProtectedHome, FindsAThingWhosePicturesWereChanged) {
+  make_protected("open sesame");
+  ASSERT_OK(testing::teach(*Home::open(path_, with("open sesame")), testing::sample_own_thing()));
+  EXPECT_OK(Home::open_read_only(path_, with("open sesame"))->verify());
+  run_sql("UPDATE own_thing_views SET mask = substr(mask, 1, length(mask) - 1)");
+  const Home home = Home::open_read_only(path_, with("open sesame")).value();
+  EXPECT_THAT(home.check()->lost_own_things, SizeIs(1));
+  EXPECT_ERROR(home.verify(), "a thing that somebody taught");
+  EXPECT_TRUE(Home::open_read_only(path_)->check()->is_whole()) << "it cannot be looked at";
+}
+
 TEST_F(ProtectedHome, RefusesAKeyThatWasChanged) {
   make_protected("open sesame");
   const Bytes whole = read_file(path_).value();

@@ -62,6 +62,10 @@ std::string for_people(const home::Home& home, const home::HomeCheck& check,
     line(fmt::format("the images of {} key-frames cannot be read: {}", check.lost_pictures.size(),
                      fmt::join(keyframes_of(check), ", ")));
   }
+  if (!check.lost_own_things.empty()) {
+    line(fmt::format("the pictures of {} things that people taught cannot be read",
+                     check.lost_own_things.size()));
+  }
   for (const std::string& table : check.broken_references)
     line(fmt::format("a row of table '{}' belongs to one that is not there", table));
   for (const std::string& camera : check.doubtful_cameras)
@@ -97,6 +101,7 @@ Expected<Answer> check(const CheckOptions& options, Context& context) {
                  {"damaged_pages", found.damaged_pages},
                  {"damaged_tables", found.damaged_tables},
                  {"lost_pictures", keyframes_of(found)},
+                 {"lost_own_things", found.lost_own_things.size()},
                  {"broken_references", found.broken_references},
                  {"doubtful_cameras", found.doubtful_cameras},
                  {"seals_checked", home.is_protected() && !home.is_locked()},
