@@ -5,9 +5,11 @@
 
 #include <cerrno>
 #include <cstring>
+#include <iostream>
 #include <memory>
 #include <string_view>
 
+#include "roomwise/base/shell_word.h"
 #include "roomwise/pipeline/stored/stored_edits.h"
 
 namespace roomwise::app {
@@ -66,6 +68,14 @@ Expected<home::OpenOptions> open_options(const Context& context) {
   if (context.passphrase_file.empty()) return options;
   ROOMWISE_TRY(home::Passphrase passphrase, home::Passphrase::read(context.passphrase_file));
   options.passphrase = std::make_shared<const home::Passphrase>(std::move(passphrase));
+  using std::filesystem::perms;
+  std::error_code error;
+  const perms open_to = std::filesystem::status(context.passphrase_file, error).permissions();
+  if (!error && (open_to & (perms::group_read | perms::others_read)) != perms::none) {
+    std::cerr << fmt::format("note: others can read {0}; keep it to yourself: chmod 600 {1}\n",
+                             context.passphrase_file.string(),
+                             shell_word(context.passphrase_file.string()));
+  }
   return options;
 }
 

@@ -8,7 +8,9 @@
 #include <gtest/gtest.h>
 #include <jpeglib.h>
 #include <png.h>
+#include <sys/resource.h>
 #include <webp/encode.h>
+#include <zlib.h>
 
 #include <cstdlib>
 #include <functional>
@@ -177,6 +179,58 @@ TEST(Codec, ReadsProgressiveAndGreyJpeg) {
 
   const Bytes grey = make_jpeg(Bytes(64 * 48, 90), 64, 48, 1, JCS_GRAYSCALE);
   EXPECT_EQ(decode_color(grey).value(), ColorImage(64, 48, {90, 90, 90}));
+}
+
+// Each coefficient in two scans of its own: 127 of them, where usual pictures have some ten.
+TEST(Codec, RefusesAJpegOfVeryManyScans) {
+  std::vector<jpeg_scan_info> scans{{1, {0}, 0, 0, 0, 0}};
+  for (const int is_refined : {0, 1}) {
+    for (int k = 1; k < DCTSIZE2; ++k) scans.push_back({1, {0}, k, k, is_refined, 1 - is_refined});
+  }
+  const auto of_scans = [&](std::size_t count) {
+    return make_jpeg(Bytes(64 * 48, 90), 64, 48, 1, JCS_GRAYSCALE, [&](auto& codec) {
+      codec.scan_info = scans.data();
+      codec.num_scans = static_cast<int>(count);
+    });
+  };
+  EXPECT_OK(decode_color(of_scans(64)));
+  EXPECT_ERROR(decode_color(of_scans(scans.size())), "more than 64 scans");
+}
+
+// Texts that are packed to a thousandth of their size, 300 MB of them.
+TEST(Codec, KeepsNothingOfAPngButThePicture) {
+  std::string text(7'900'000, 'a');
+  const Bytes plain = make_png(2, 1, {PNG_COLOR_TYPE_GRAY, 8}, {7, 9});
+  Bytes packed(text.size() / 100);
+  uLongf size = packed.size();
+  ASSERT_EQ(
+      compress(packed.data(), &size, reinterpret_cast<const Bytef*>(text.data()), text.size()),
+      Z_OK);
+  packed.resize(size);
+  text.clear();
+  text.shrink_to_fit();
+  Bytes chunk{'z', 'T', 'X', 't', 'k', 0, 0};
+  chunk.insert(chunk.end(), packed.begin(), packed.end());
+  const auto append_number = [](Bytes& bytes, std::uint64_t number) {
+    for (const int shift : {24, 16, 8, 0})
+      bytes.push_back(static_cast<std::uint8_t>(number >> shift));
+  };
+  constexpr std::ptrdiff_t kHeader = 33;  // the mark and IHDR
+  Bytes png(plain.begin(), plain.begin() + kHeader);
+  for (int i = 0; i < 40; ++i) {
+    append_number(png, chunk.size() - 4);
+    png.insert(png.end(), chunk.begin(), chunk.end());
+    append_number(png, crc32(0, chunk.data(), static_cast<uInt>(chunk.size())));
+  }
+  png.insert(png.end(), plain.begin() + kHeader, plain.end());
+  const auto peak_kb = [] {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+  };
+  const long before_kb = peak_kb();
+  EXPECT_EQ(decode_color(png).value(), decode_color(plain).value());
+  EXPECT_LT(peak_kb() - before_kb, 100'000);
 }
 
 TEST(Codec, TurnsAPhotoUprightByItsExif) {

@@ -41,6 +41,11 @@ class JumpTarget {
 
  protected:
   jpeg_error_mgr* errors() { return &errors_.manager; }
+  // Gives up for a reason that is not libjpeg's.
+  [[noreturn]] void give_up(std::string_view reason) {
+    reason.copy(reason_.data(), reason_.size() - 1);
+    std::longjmp(target_, 1);
+  }
 
   std::jmp_buf target_;
 
@@ -70,8 +75,16 @@ class JumpTarget {
   std::array<char, JMSG_LENGTH_MAX> reason_{};
 };
 
+// A progressive picture comes in scans, usually some ten. Each is decoded over the whole picture,
+// so that a small file of very many would take minutes.
+constexpr int kMaxScans = 64;
+
 class JpegReader : public JumpTarget {
  public:
+  JpegReader() {
+    progress_.manager.progress_monitor = count_scans;
+    progress_.owner = this;
+  }
   ~JpegReader() { jpeg_destroy_decompress(&codec_); }
 
   // Reads everything before the pixels.
@@ -79,6 +92,7 @@ class JpegReader : public JumpTarget {
     codec_.err = errors();
     if (setjmp(target_) != 0) return false;
     jpeg_create_decompress(&codec_);
+    codec_.progress = &progress_.manager;
     jpeg_mem_src(&codec_, bytes, static_cast<unsigned long>(size));
     jpeg_save_markers(&codec_, JPEG_APP0 + 1, 0xFFFF);
     jpeg_read_header(&codec_, TRUE);
@@ -118,6 +132,16 @@ class JpegReader : public JumpTarget {
   }
 
  private:
+  static void count_scans(j_common_ptr codec) {
+    JpegReader& self = *reinterpret_cast<ScanCounter*>(codec->progress)->owner;
+    if (self.codec_.input_scan_number > kMaxScans) self.give_up("more than 64 scans");
+  }
+
+  struct ScanCounter {
+    jpeg_progress_mgr manager{};
+    JpegReader* owner = nullptr;
+  };
+  ScanCounter progress_;
   jpeg_decompress_struct codec_{};
 };
 

@@ -44,6 +44,9 @@ class PngReader {
   [[nodiscard]] bool open() {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_set_read_fn(png_, this, read_bytes);
+    // All chunks but the picture's own (header, palette, transparency, pixels) are passed over, not
+    // kept: texts and profiles could be packed to a thousandth of their size.
+    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
     png_read_info(png_, info_);
     return true;
   }

@@ -113,20 +113,22 @@ std::string ending_of(const fs::path& path) {
   return ending;
 }
 
-// Whether a file may, by its name, say where somebody lives, or who. No reader takes such names.
-bool may_tell(const fs::path& path) {
-  constexpr std::array kEndings{".heic", ".heif", ".dng", ".plist", ".xml", ".gpx", ".kml"};
+// Whether a reader takes files of such a name. Any other may say where somebody lives, or who.
+bool is_read(const fs::path& path) {
+  constexpr std::array kEndings{".jpg",  ".jpeg", ".png",  ".webp", ".exr", ".depth",
+                                ".conf", ".mp4",  ".json", ".txt",  ".csv", ".pincam",
+                                ".traj", ".sens", ".bag",  ".mcap", ".r3d", ".oni"};
   std::string name = path.stem().string();
   std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
-  return std::ranges::find(kEndings, ending_of(path)) != kEndings.end() ||
-         name.find("gps") != std::string::npos || name.find("location") != std::string::npos;
+  return std::ranges::find(kEndings, ending_of(path)) != kEndings.end() &&
+         name.find("gps") == std::string::npos && name.find("location") == std::string::npos;
 }
 
 Expected<void> take_out_of_file(const fs::path& path) {
   if (is_picture(path)) return take_out_of_picture(path);
   if (ending_of(path) == ".json") return take_out_of_json(path);
   std::error_code error;
-  if (may_tell(path)) fs::remove(path, error);
+  if (!is_read(path)) fs::remove(path, error);
   if (error) return fail("{}: cannot be removed: {}", path.string(), error.message());
   return {};
 }

@@ -24,9 +24,8 @@ namespace roomwise::recording {
 
 // Takes all such out of the files of a folder that was unpacked: such members of JSON, and from
 // JPEG, PNG and WebP, told by their content, what they say besides the picture. A JSON file that
-// cannot be read, so that nobody knows what it says, is emptied; files that no reader takes and
-// that may tell (.heic, .plist, .gpx, ...) go; pictures that cannot be read stay. Fails where a
-// file cannot be written.
+// cannot be read, so that nobody knows what it says, is emptied; files that no reader takes by
+// their names go, pictures that can be read apart. Fails where a file cannot be written.
 [[nodiscard]] Expected<void> leave_out_personal_data(const std::filesystem::path& folder);
 
 }  // namespace roomwise::recording

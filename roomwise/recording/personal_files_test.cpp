@@ -64,7 +64,8 @@ TEST(PersonalFiles, AreToldByWhatTheyHoldHoweverTheyAreCalled) {
     EXPECT_OK(write_file(folder / name, tells));
   }
   EXPECT_OK(write_file(folder / "g.JSON", std::string_view(R"({"latitude":50.1,"time":1})")));
-  for (const char* name : {"0.heic", "1.plist", "2.xml", "GPS.csv", "location.txt"}) {
+  for (const char* name :
+       {"0.heic", "1.plist", "2.xml", "3.nmea", "4.xmp", "5", "GPS.csv", "location.txt"}) {
     EXPECT_OK(write_file(folder / name, std::string_view("latitude, 50.1")));
   }
   ASSERT_OK(leave_out_personal_data(folder.path()));
@@ -72,7 +73,8 @@ TEST(PersonalFiles, AreToldByWhatTheyHoldHoweverTheyAreCalled) {
     EXPECT_EQ(read_file(folder / name).value(), plain) << name;
   }
   EXPECT_EQ(read_text_file(folder / "g.JSON").value(), R"({"time":1})");
-  for (const char* name : {"0.heic", "1.plist", "2.xml", "GPS.csv", "location.txt"}) {
+  for (const char* name :
+       {"0.heic", "1.plist", "2.xml", "3.nmea", "4.xmp", "5", "GPS.csv", "location.txt"}) {
     EXPECT_FALSE(std::filesystem::exists(folder / name)) << name << ": no reader needs it";
   }
 }

@@ -1,3 +1,5 @@
+#include <sys/stat.h>
+
 #include <filesystem>
 
 #include "command_run.h"
@@ -65,6 +67,7 @@ Expected<Answer> run(const ReportOptions& options, Context& context) {
   if (!options.evaluation.empty()) {
     ROOMWISE_TRY(extras.recognition, read_evaluation(options.evaluation));
   }
+  if (home.is_protected()) ::umask(077);  // the page shows its pictures
   CommandRun run(context);
   ROOMWISE_TRY(const evaluation::ReportContent content,
                pipeline::report_content(home, extras, run));

@@ -1,3 +1,5 @@
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -237,6 +239,7 @@ Expected<void> check_is_for_one_home(const Options& options) {
 
 Expected<Answer> serve(const Options& options, Context& context) {
   ROOMWISE_RETURN_IF_ERROR(check_pages(options));
+  ::umask(077);  // what it writes is of a home: its owner alone reads it
   std::error_code none;
   if (fs::is_directory(options.home, none)) return serve_house(options, context);
   ROOMWISE_RETURN_IF_ERROR(check_is_for_one_home(options));

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <chrono>
 
 #include "roomwise/service/credentials/private_folder.h"
@@ -23,7 +24,10 @@ void OperatorLog::write(std::string_view line) {
   localtime_r(&now, &parts);
   std::array<char, 32> text{};
   std::strftime(text.data(), text.size(), "%F %T", &parts);
-  std::cerr << text.data() << "  " << line << '\n';
+  std::string one_line(line);  // names in it are other people's
+  std::ranges::replace_if(
+      one_line, [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
+  std::cerr << text.data() << "  " << one_line << '\n';
 }
 
 // A program in the background that reads from its terminal would be stopped.

@@ -441,6 +441,14 @@ fs::path LiveHome::walks_folder() const {
   return pipeline::own_walks_folder(file_);
 }
 
+Expected<void> LiveHome::make_walks_folder() const {
+  std::error_code error;
+  fs::create_directories(walks_folder(), error);
+  if (!error) fs::permissions(walks_folder(), fs::perms::owner_all, error);
+  if (error) return fail("{}: cannot be made: {}", walks_folder().string(), error.message());
+  return {};
+}
+
 fs::path LiveHome::photos_folder() const {
   return fs::path(file_.string() + ".photos");
 }

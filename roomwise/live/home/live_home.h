@@ -323,6 +323,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   void begin_lost_pictures();
   [[nodiscard]] Expected<JobEnd> learn_now(Progress& progress);
   [[nodiscard]] std::filesystem::path walks_folder() const;
+  // Pictures of a home: only its owner can look into it.
+  [[nodiscard]] Expected<void> make_walks_folder() const;
   [[nodiscard]] std::filesystem::path lenses_file() const;
   [[nodiscard]] std::filesystem::path uploads_folder() const;
   [[nodiscard]] std::filesystem::path photos_folder() const;

@@ -234,6 +234,7 @@ Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string&
     if (is_known) return fail("the home knows a walk '{}' already; choose another name", name);
     const std::scoped_lock lock(devices_mutex_);
     if (recorder_) return fail("'{}' is being recorded; stop it first", recorder_->name());
+    ROOMWISE_RETURN_IF_ERROR(make_walks_folder());
     ROOMWISE_TRY(recorder, WalkRecorder::begin(walks_folder() / name, *camera, unix_now_ns()));
     recorder_ = recorder;
     recording_device_ = device;

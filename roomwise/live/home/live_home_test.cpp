@@ -1335,6 +1335,8 @@ TEST_F(HandedIn, AnExportIsMappedThoughTheComputerStoppedMeanwhile) {
   ASSERT_THAT(home->view()->walks, SizeIs(1));
   EXPECT_EQ(home->view()->walks[0].stored.recording.name, "My flat");
   EXPECT_TRUE(std::filesystem::exists(folder / "flat.home.walks/My flat/rgb.txt"));
+  EXPECT_EQ(std::filesystem::status(folder / "flat.home.walks").permissions(),
+            std::filesystem::perms::owner_all);
   EXPECT_EQ(read_text_file(folder / "flat.home.walks/My flat/info.json").value(), R"({"rooms":3})");
   EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/.unpacking"));
   EXPECT_THAT(ask("GET", "/api/uploads").at("uploads"), IsEmpty());

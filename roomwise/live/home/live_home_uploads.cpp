@@ -198,8 +198,8 @@ Expected<TakenIn> LiveHome::take_in(const Upload& upload, Progress& progress) {
   const fs::path unpacked = unpacking_folder();
   std::error_code error;
   fs::remove_all(unpacked, error);
-  fs::create_directories(walks_folder(), error);
-  if (error) return fail("{}: cannot be made: {}", walks_folder().string(), error.message());
+  if (error) return fail("{}: cannot be removed: {}", unpacked.string(), error.message());
+  ROOMWISE_RETURN_IF_ERROR(make_walks_folder());
   auto taken = take_in(upload, unpacked, progress);
   fs::remove_all(unpacked, error);
   return taken;

@@ -24,6 +24,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kUnpackStep = std::size_t{1} << 20;
+// No app's names come near it; folders within many folders could not be removed again.
+constexpr std::ptrdiff_t kMaxNameParts = 32;
+constexpr std::size_t kMaxNameBytes = 512;
 
 struct DiscardArchive {
   void operator()(zip* archive) const { zip_discard(archive); }
@@ -173,6 +176,14 @@ class Unpacker {
     Entry entry{index, stat.name, stat.size};
     if (entry.name.empty() || leads_out(entry.name)) {
       return unsafe(fmt::format("names '{}', a file outside of the archive's folder", entry.name));
+    }
+    const fs::path path(entry.name);
+    if (entry.name.size() > kMaxNameBytes ||
+        std::distance(path.begin(), path.end()) > kMaxNameParts) {
+      return unsafe(
+          fmt::format("names a file that lies more than {} folders deep or has more than "
+                      "{} letters",
+                      kMaxNameParts - 1, kMaxNameBytes));
     }
     if (is_link(archive_.get(), index)) {
       return unsafe(fmt::format("'{}' is a link", entry.name));

@@ -22,11 +22,12 @@ struct UnpackLimits {
 [[nodiscard]] bool is_zip_file(const std::filesystem::path& path);
 
 // Writes the files of a zip archive into a new folder. All names and sizes are looked at before the
-// first is written: refused are names that lead out of the folder, links, names that come twice,
-// and more than `limits` say. What macOS and iOS add for themselves (__MACOSX, ._*, .DS_Store) is
-// left out. Memory does not grow with the archive but for the list of its names. Fails on damage (a
-// wrong check sum; kDamaged), on what is not safe (kRefused; a file that is longer than it says),
-// a full disk and interruption; what was written by then stays, for the caller to remove.
+// first is written: refused are names that lead out of the folder or some thirty folders deep,
+// links, names that come twice, and more than `limits` say. What macOS and iOS add for themselves
+// (__MACOSX, ._*, .DS_Store) is left out. Memory does not grow with the archive but for the list of
+// its names. Fails on damage (a wrong check sum; kDamaged), on what is not safe (kRefused; a file
+// that is longer than it says), a full disk and interruption; what was written by then stays, for
+// the caller to remove.
 [[nodiscard]] Expected<void> unpack_zip(const std::filesystem::path& archive,
                                         const std::filesystem::path& folder,
                                         const UnpackLimits& limits, Progress& progress);

@@ -86,6 +86,19 @@ TEST_F(ZipUnpackFolder, NamesThatLeadOutAndLinksAreRefused) {
   EXPECT_EQ(unpack().error().code, ErrorCode::kRefused) << "nobody mends it";
 }
 
+TEST_F(ZipUnpackFolder, NamesOfManyFoldersAreRefused) {
+  std::string deep;
+  for (int i = 0; i < 31; ++i) deep += "a/";
+  pack({{deep + "0.png", "x"}});
+  EXPECT_OK(unpack());
+  for (const std::string& name : {deep + "a/0.png", std::string(513, 'a')}) {
+    pack({{name, "x"}});
+    std::filesystem::remove_all(out_);
+    EXPECT_ERROR(unpack(), "not safe");
+    EXPECT_FALSE(std::filesystem::exists(out_));
+  }
+}
+
 TEST_F(ZipUnpackFolder, AnArchiveThatWouldFillTheDiskIsRefusedBeforeItIsUnpacked) {
   pack({{"zeros", std::string(5'000'000, '\0')}});
   EXPECT_ERROR(unpack(), "times as large");
