@@ -2,6 +2,7 @@
 #include <set>
 
 #include "roomwise/guide/answers/thing_prompts.h"
+#include "roomwise/guide/places/surfaces.h"
 
 namespace roomwise::guide {
 namespace {
@@ -134,7 +135,38 @@ std::vector<Prompt> things_of_place(const Pose& pose, const std::optional<std::s
   return answer;
 }
 
+bool lies_on(Side side, const Bearing& bearing) {
+  const int first = side == Side::kRight ? 2 : side == Side::kBehind ? 5 : 8;
+  return bearing.hour >= first && bearing.hour < first + 3;
+}
+
+// Who stands at the end of a long table has it beside them, though its middle is ahead.
+bool lies_on(Side side, const KnownThing& thing, const Pose& pose) {
+  const auto middle = bearing_of(thing, pose);
+  if (!middle) return false;
+  const Eigen::Vector2d nearest = outline_of(thing).nearest_to(pose.position_plan);
+  return lies_on(side, *middle) ||
+         (nearest != pose.position_plan && lies_on(side, bearing_of(nearest, pose)));
+}
+
 }  // namespace
+
+std::vector<Prompt> side_prompts(Side side, const UserLocation& location,
+                                 std::span<const KnownThing> things, const Wording& wording,
+                                 TimestampNs now_ns, const Today& today) {
+  const Pose* const pose = location.sure_pose();
+  const auto unsure = [&](const char* message, const char* because) {
+    return std::vector{make_prompt(wording, "around", message, {}, Confidence::kUnsure,
+                                   after(now_ns, kDirectionValid_s), because)};
+  };
+  if (pose == nullptr) return unsure("around.no_place", "the position is not known");
+  std::vector<KnownThing> there;
+  for (const KnownThing& thing : things) {
+    if (lies_on(side, thing, *pose)) there.push_back(thing);
+  }
+  auto prompts = things_of_place(*pose, location.room, there, wording, now_ns, today);
+  return prompts.empty() ? unsure("beside.nothing", "the map has no thing there") : prompts;
+}
 
 std::vector<Prompt> around_prompts(const UserLocation& location, std::span<const KnownThing> things,
                                    const Wording& wording, TimestampNs now_ns,

@@ -24,6 +24,25 @@ namespace roomwise::guide {
                                                  const std::optional<CalendarTime>& today = {},
                                                  bool is_on_map = true);
 
+// A side of who asks, three hours of the clock.
+enum class Side { kLeft, kRight, kBehind };
+// The answer to "what is on my left": as around_prompts(), of those of `things` (of this room and
+// storey) whose middle, or the point of which that is nearest, lies on that side. Unsure where the
+// place is not known. Never empty.
+[[nodiscard]] std::vector<Prompt> side_prompts(Side side, const UserLocation& location,
+                                               std::span<const KnownThing> things,
+                                               const Wording& wording, TimestampNs now_ns,
+                                               const std::optional<CalendarTime>& today = {});
+
+// The answer to "where can I sit": as around_prompts(), of what people sit on (objects::Kind);
+// where there is nothing in this room, the nearest elsewhere as in where_prompts(). Never empty.
+[[nodiscard]] std::vector<Prompt> seat_prompts(const UserLocation& location,
+                                               std::span<const KnownThing> things,
+                                               std::span<const rooms::Doorway> doorways,
+                                               const objects::ObjectVocabulary& vocabulary,
+                                               const Wording& wording, TimestampNs now_ns,
+                                               const std::optional<CalendarTime>& today = {});
+
 // The thing of the home that somebody means by a name: the home's own name, what it is called in
 // their language, or a label that the vocabulary knows for it; nothing where the home has none.
 [[nodiscard]] std::optional<std::string> thing_meant(const std::string& asked,

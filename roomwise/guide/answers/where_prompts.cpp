@@ -33,13 +33,15 @@ struct Candidate {
   }
 };
 
-std::vector<Candidate> nearest_first(const std::string& name, const UserLocation& location,
+// Of the name; without one of all.
+std::vector<Candidate> nearest_first(const std::optional<std::string>& name,
+                                     const UserLocation& location,
                                      std::span<const KnownThing> things,
                                      std::span<const rooms::Doorway> doorways) {
   std::vector<Candidate> candidates;
   const Pose* pose = location.sure_pose();
   for (const KnownThing& thing : things) {
-    if (thing.name != name) continue;
+    if (name && thing.name != *name) continue;
     Candidate candidate{&thing, {}, std::nullopt, location.room && thing.room};
     if (candidate.knows_rooms) {
       candidate.way = way_between_rooms(*location.room, *thing.room, doorways);
@@ -214,6 +216,26 @@ std::vector<Prompt> where_prompts(const std::string& asked, const UserLocation& 
     prompts.push_back(std::move(count));
   }
   return prompts;
+}
+
+std::vector<Prompt> seat_prompts(const UserLocation& location, std::span<const KnownThing> things,
+                                 std::span<const rooms::Doorway> doorways,
+                                 const objects::ObjectVocabulary& vocabulary,
+                                 const Wording& wording, TimestampNs now_ns,
+                                 const std::optional<CalendarTime>& today) {
+  std::vector<KnownThing> seats;
+  for (const KnownThing& thing : things) {
+    const objects::Kind* const kind = objects::find_kind(thing.name);
+    if (kind != nullptr && kind->is_seat) seats.push_back(thing);
+  }
+  const auto nearest = nearest_first(std::nullopt, location, seats, doorways);
+  if (nearest.empty()) {
+    return {make_prompt(wording, "seat", "sit.nowhere", {}, Confidence::kUnsure,
+                        after(now_ns, kHomeValid_s), "the map has no thing of such a kind")};
+  }
+  if (nearest.front().is_here()) return around_prompts(location, seats, wording, now_ns, today);
+  return where_prompts(nearest.front().thing->name, location, seats, doorways, vocabulary, wording,
+                       now_ns, today);
 }
 
 Prompt no_door_prompt(const std::string& room, const std::string& other_room,

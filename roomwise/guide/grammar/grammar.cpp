@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::size_t kMaxWaysOfOne = 4096;  // that a pattern stands for
 
-constexpr std::array<std::pair<std::string_view, Slot>, 6> kSlots{{{"{thing}", Slot::kThing},
+constexpr std::array<std::pair<std::string_view, Slot>, 7> kSlots{{{"{thing}", Slot::kThing},
+                                                                   {"{surface}", Slot::kSurface},
                                                                    {"{room}", Slot::kRoom},
                                                                    {"{place}", Slot::kPlace},
                                                                    {"{goal}", Slot::kGoal},
@@ -152,6 +153,29 @@ Texts folded_texts(const nlohmann::json& texts) {
   return all;
 }
 
+// Patterns without a slot, written out; the longest first.
+Expected<Texts> written_out(const nlohmann::json& patterns) {
+  Texts all;
+  for (const auto& pattern : patterns) {
+    const auto text = pattern.get<std::string>();
+    ROOMWISE_TRY(const std::vector<std::string> ways, in_context(text, PatternReader(text).read()));
+    for (const std::string& way : ways) all.push_back(folded_words(way));
+  }
+  std::erase_if(all, [](const auto& words) { return words.empty(); });
+  std::ranges::stable_sort(all, std::ranges::greater{}, &std::vector<std::string>::size);
+  return all;
+}
+
+Expected<Corrections> corrections_of(const nlohmann::json& json) {
+  Corrections corrections;
+  ROOMWISE_TRY(corrections.openers, written_out(json.at("openers")));
+  ROOMWISE_TRY(corrections.closers, written_out(json.at("closers")));
+  ROOMWISE_TRY(corrections.denials, written_out(json.at("denials")));
+  ROOMWISE_TRY(corrections.denials_after, written_out(json.at("denials_after")));
+  ROOMWISE_TRY(corrections.but, written_out(json.at("but")));
+  return corrections;
+}
+
 bool holds_one(std::span<const std::string> words, const Texts& texts) {
   return std::ranges::any_of(texts, [&](const std::vector<std::string>& text) {
     return !std::ranges::search(words, text).empty();
@@ -186,6 +210,9 @@ Expected<Grammar> Grammar::parse(const nlohmann::json& questions) {
     grammar.waits_ = folded_texts(questions.at("waits"));
     questions.at("endings").get_to(grammar.endings_);
     questions.at("doors").get_to(doors);
+    questions.at("digraphs").get_to(grammar.digraphs_);
+    ROOMWISE_TRY(grammar.corrections_,
+                 in_context("questions: corrections", corrections_of(questions.at("corrections"))));
   } catch (const nlohmann::json::exception& error) {
     return fail("questions: {}", error.what());
   }
@@ -222,6 +249,18 @@ Expected<Grammar> Grammar::parse(const nlohmann::json& questions) {
   }
   if (!patterns.empty()) return fail("questions: there is no type \"{}\"", patterns.begin()->first);
   return grammar;
+}
+
+std::string Grammar::without_digraphs(const std::string& word) const {
+  if (knows(word) || is_determiner(word)) return word;
+  std::string plain = word;
+  for (const auto& [typed, letter] : digraphs_) {
+    for (std::size_t at = plain.find(typed); at != std::string::npos; at = plain.find(typed, at)) {
+      plain.replace(at, typed.size(), letter);
+      at += letter.size();
+    }
+  }
+  return plain;
 }
 
 std::set<std::string> Grammar::rooms_alike(const std::string& room) const {

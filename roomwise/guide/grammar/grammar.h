@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <set>
@@ -16,6 +17,7 @@ namespace roomwise::guide {
 // What a name in a question may be of.
 enum class Slot {
   kThing,
+  kSurface,  // a thing of a kind on which others are put: nothing is in it
   kRoom,
   kPlace,  // a thing, a room, or what else has a place: a door
   kGoal,   // what one may be led to: the same
@@ -39,6 +41,12 @@ struct DoorPattern {
   bool has_two_rooms = false;
 };
 
+// How one takes back what was understood: texts of folded words, the longest first.
+struct Corrections {
+  using Texts = std::vector<std::vector<std::string>>;
+  Texts openers, closers, denials, denials_after, but;
+};
+
 // How one asks in a language: "questions" of its file.
 //
 //   patterns     type -> ways to ask. "where is {place}": words and a slot for a name. "(a|b)": one
@@ -55,6 +63,11 @@ struct DoorPattern {
 //   use for each other.
 //   joins        what may stand between two questions: "and".
 //   negations    what may turn that into its opposite: "not".
+//   corrections  how one takes back what was understood, as patterns without a slot. openers: what
+//   comes before what is meant ("no", "I meant"); closers: what comes after it ("instead");
+//   denials: what comes before what is not meant ("not", "instead of"); denials_after: what comes
+//   after it; but: what may stand between that and what is meant. digraphs     how letters are
+//   typed by who has no key for them: "ae" -> "a".
 class Grammar {
  public:
   // Fails, naming the pattern, where one cannot be read, is two types' or has two slots, and where
@@ -79,6 +92,11 @@ class Grammar {
   // The home's words for rooms that may be meant by the name of this one: itself among them.
   [[nodiscard]] std::set<std::string> rooms_alike(const std::string& room) const;
   [[nodiscard]] std::span<const std::vector<std::string>> joins() const { return joins_; }
+  [[nodiscard]] const Corrections& corrections() const { return corrections_; }
+  [[nodiscard]] std::span<const std::vector<std::string>> fillers() const { return fillers_; }
+  // With every digraph as the letter that it stands for, but where the word is known as it is:
+  // "kueche" -> "kuche".
+  [[nodiscard]] std::string without_digraphs(const std::string& word) const;
   // Whether a pattern or a filler has the word: it is then no name with a slip.
   [[nodiscard]] bool knows(const std::string& word) const { return own_words_.contains(word); }
 
@@ -90,6 +108,8 @@ class Grammar {
   std::vector<std::set<std::string>> alike_;
   std::vector<std::vector<std::string>> fillers_;  // the longest first
   std::vector<std::vector<std::string>> stops_, waits_, joins_;
+  Corrections corrections_;
+  std::map<std::string, std::string> digraphs_;
   std::vector<std::string> endings_;
 };
 

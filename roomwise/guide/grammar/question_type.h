@@ -20,6 +20,10 @@ enum class QuestionType {
   kWhichRooms,
   kWhichWay,
   kWhatIsAhead,
+  kWhatIsLeft,  // of who asks
+  kWhatIsRight,
+  kWhatIsBehind,
+  kWhereToSit,
   kSomethingAhead,  // that there is something, or whether: a guide hears kBlocked
   kWhatChanged,
   kDescribeRoom,
@@ -48,10 +52,13 @@ enum class QuestionType {
   kHideWalks,
   kYes,  // to "Did you mean ...?"
   kNo,
-  kFirst,  // of those that were offered, down to kNearest
+  kFirst,  // of those that were offered, down to kOther
   kSecond,
   kThird,
   kNearest,
+  kLeftOne,
+  kRightOne,
+  kOther,       // than was chosen
   kThere,       // to be led to what was named last
   kAlso,        // the same of another
   kNamed,       // a name alone
@@ -59,7 +66,7 @@ enum class QuestionType {
 };
 
 // As catalogues call them.
-constexpr std::array<std::pair<std::string_view, QuestionType>, 47> kQuestionTypes{
+constexpr std::array<std::pair<std::string_view, QuestionType>, 54> kQuestionTypes{
     {{"where_am_i", QuestionType::kWhereAmI},
      {"around_me", QuestionType::kAroundMe},
      {"where_is", QuestionType::kWhereIs},
@@ -71,6 +78,10 @@ constexpr std::array<std::pair<std::string_view, QuestionType>, 47> kQuestionTyp
      {"which_rooms", QuestionType::kWhichRooms},
      {"which_way", QuestionType::kWhichWay},
      {"what_is_ahead", QuestionType::kWhatIsAhead},
+     {"what_is_left", QuestionType::kWhatIsLeft},
+     {"what_is_right", QuestionType::kWhatIsRight},
+     {"what_is_behind", QuestionType::kWhatIsBehind},
+     {"where_to_sit", QuestionType::kWhereToSit},
      {"something_ahead", QuestionType::kSomethingAhead},
      {"what_changed", QuestionType::kWhatChanged},
      {"describe_room", QuestionType::kDescribeRoom},
@@ -91,6 +102,9 @@ constexpr std::array<std::pair<std::string_view, QuestionType>, 47> kQuestionTyp
      {"second", QuestionType::kSecond},
      {"third", QuestionType::kThird},
      {"nearest", QuestionType::kNearest},
+     {"left_one", QuestionType::kLeftOne},
+     {"right_one", QuestionType::kRightOne},
+     {"other", QuestionType::kOther},
      {"there", QuestionType::kThere},
      {"also", QuestionType::kAlso},
      {"named", QuestionType::kNamed},

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "roomwise/guide/grammar/folded_words.h"
+#include "roomwise/objects/kinds/kinds.h"
 
 namespace roomwise::guide {
 namespace {
@@ -31,6 +32,10 @@ bool NameIndex::fits(const Entry& entry, Slot slot) {
   if (slot == Slot::kPlace || slot == Slot::kGoal) return true;
   if (slot == Slot::kSpot) return entry.is_spot;
   if (entry.is_goal) return false;
+  if (slot == Slot::kSurface) {
+    const objects::Kind* const kind = objects::find_kind(entry.noun.name);
+    return entry.noun.kind == Noun::Kind::kThing && kind != nullptr && kind->is_surface;
+  }
   return slot == (entry.noun.kind == Noun::Kind::kThing ? Slot::kThing : Slot::kRoom);
 }
 
@@ -207,7 +212,7 @@ FoundName NameIndex::find(std::span<const std::string> words, Slot slot) const {
     return {NameMatch::kKnown, std::move(nouns)};
   }
   // "My room": which one is asked.
-  const bool may_be_room = slot != Slot::kThing && slot != Slot::kSpot;
+  const bool may_be_room = slot == Slot::kRoom || slot == Slot::kPlace || slot == Slot::kGoal;
   if (may_be_room && phrases_.grammar().is_any_room(key)) {
     if (Nouns rooms = rooms_of_home(); !rooms.empty()) return {NameMatch::kNear, std::move(rooms)};
   }

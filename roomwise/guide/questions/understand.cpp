@@ -81,14 +81,16 @@ std::optional<SlotWords> words_in_slot(const QuestionPattern& pattern,
 // That somebody may call something so. Of "is there a cup on the table" no name is left to deny:
 // the home has a table, and "I know no cup on the table" would say more than anybody knows.
 bool is_believed(const QuestionPattern& pattern, std::span<const std::string> said,
-                 const NameIndex& names, const Grammar& grammar) {
+                 bool has_determiner, const NameIndex& names, const Grammar& grammar) {
   const bool is_name_alone = pattern.before.empty() && pattern.after.empty();
   if (is_name_alone || said.size() > kMaxWordsOfAName) return false;
-  // "I know no to sit down here": what is left of a sentence is no name.
+  // "I know no to sit down here": what is left of a sentence is no name. A word after an article is
+  // one: "my watch", though helpers may watch.
   const bool holds_own_words = std::ranges::any_of(said, [&](const std::string& word) {
     return grammar.knows(word) && !grammar.is_determiner(word);
   });
-  if (holds_own_words && pattern.type != QuestionType::kCannotTell) return false;
+  const bool is_noun = said.size() == 1 && has_determiner;
+  if (holds_own_words && !is_noun && pattern.type != QuestionType::kCannotTell) return false;
   return pattern.type == QuestionType::kCannotTell || !names.has_name_inside(said);
 }
 
@@ -122,7 +124,10 @@ std::optional<Reading> read_as(const QuestionPattern& pattern, std::span<const s
   }
   const auto said = names.without_determiners(inside);
   reading.said.assign(said.begin(), said.end());
-  if (reading.name.match == NameMatch::kUnknown && !is_believed(pattern, said, names, grammar)) {
+  const bool is_unknown = reading.name.match == NameMatch::kUnknown;
+  if (is_unknown && pattern.slot == Slot::kSurface) return std::nullopt;
+  const bool has_determiner = said.size() < inside.size();
+  if (is_unknown && !is_believed(pattern, said, has_determiner, names, grammar)) {
     return std::nullopt;
   }
   return reading;
@@ -166,6 +171,8 @@ Understood meaning_of(Reading reading, const Spellings& spellings) {
   Understood meaning{.type = reading.pattern->type,
                      .names = std::move(reading.name.nouns),
                      .rooms = std::move(reading.name.rooms)};
+  const std::size_t own_words = reading.pattern->before.size() + reading.pattern->after.size();
+  meaning.is_fragment = reading.pattern->slot && own_words <= 1;
   if (meaning.type == QuestionType::kCannotTell) {
     return {.outcome = Outcome::kCannotTell, .type = meaning.type, .names = {}};
   }
@@ -232,15 +239,24 @@ Understood understand(std::string_view text, const Phrasebook& phrases, const Ho
   if (whole.size() > kMaxWords) return {};
   const Grammar& grammar = phrases.grammar();
   const NameIndex names(phrases, home);
-  // A name may hold what says nothing elsewhere, so the text counts first as it is.
+  std::vector<std::vector<std::string>> texts{whole};
+  std::vector<std::string> plain;
+  for (const std::string& word : whole) {
+    plain.push_back(grammar.without_digraphs(word));
+    spellings.emplace(plain.back(), spellings.at(word));
+  }
+  if (plain != whole) texts.push_back(std::move(plain));
   std::optional<Reading> first;
   for (const bool forgives : {false, true}) {
-    const auto without_fillers = grammar.without_fillers(whole);
-    for (const auto& words : {whole, without_fillers, without_repeats(without_fillers)}) {
-      auto reading = best_reading(words, grammar, names, forgives);
-      if (is_whole(reading)) return meaning_of(*std::move(reading), spellings);
-      const bool is_better = reading && (!first || reading->rank() < first->rank());
-      if (is_better && !forgives) first = std::move(reading);
+    for (const auto& text_words : texts) {
+      // A name may hold what says nothing elsewhere, so the text counts first as it is.
+      const auto without_fillers = grammar.without_fillers(text_words);
+      for (const auto& words : {text_words, without_fillers, without_repeats(without_fillers)}) {
+        auto reading = best_reading(words, grammar, names, forgives);
+        if (is_whole(reading)) return meaning_of(*std::move(reading), spellings);
+        const bool is_better = reading && (!first || reading->rank() < first->rank());
+        if (is_better && !forgives) first = std::move(reading);
+      }
     }
   }
   if (auto one = first_of_two(grammar.without_fillers(whole), grammar, names)) {
@@ -264,35 +280,41 @@ Understood which_door(Understood question, const std::vector<std::string>& rooms
 namespace {
 
 // "The hall", "the one to the hall", "to the hall", which asks to be led there else, or all of it.
-Understood door_chosen(const Understood& offer, Understood said) {
+std::optional<Understood> door_chosen(const Understood& offer, const Understood& said) {
   const bool names_door = said.type == QuestionType::kNamed ||
                           said.type == QuestionType::kWhatIsIn ||
                           said.type == QuestionType::kTakeMeTo;
-  if (!names_door) return said;
+  if (!names_door) return std::nullopt;
   Nouns named = said.names;
   named.insert(named.end(), said.rooms.begin(), said.rooms.end());
-  for (std::size_t i = 1; i < offer.rooms.size(); ++i) {
+  for (Understood& choice : choices_of(offer)) {
     const bool is_meant = std::ranges::any_of(named, [&](const Noun& noun) {
-      return noun.kind == Noun::Kind::kRoom && noun.name == offer.rooms[i].name;
+      return noun.kind == Noun::Kind::kRoom && noun.name == choice.rooms.back().name;
     });
-    if (is_meant) {
-      return {Outcome::kQuestion,
-              offer.type,
-              offer.names,
-              false,
-              {offer.rooms.front(), offer.rooms[i]}};
-    }
+    if (is_meant) return std::move(choice);
   }
-  return said;
+  return std::nullopt;
 }
 
-}  // namespace
+// "The kitchen", "the one in the kitchen", or "in the kitchen", which asks what is in it else.
+bool names_room(const Understood& said) {
+  const bool is_half = said.type == QuestionType::kWhatIsIn && said.is_fragment;
+  return (said.type == QuestionType::kNamed || is_half) && said.names.size() == 1 &&
+         said.names.front().kind == Noun::Kind::kRoom;
+}
 
-namespace {
+std::optional<Understood> room_chosen(const Understood& offer, const Understood& said) {
+  if (!names_room(said)) return std::nullopt;
+  for (Understood& choice : choices_of(offer)) {
+    if (choice.rooms.front().name == said.names.front().name) return std::move(choice);
+  }
+  return std::nullopt;
+}
 
-bool is_offer(const Understood& heard) {
-  return heard.outcome == Outcome::kDidYouMean || heard.outcome == Outcome::kWhichOne ||
-         heard.outcome == Outcome::kWhichRoom || heard.outcome == Outcome::kWhichDoor;
+// Who said so knows where the choices lie: Dialogue.
+bool is_choice_by_place(QuestionType type) {
+  return type == QuestionType::kNearest || type == QuestionType::kLeftOne ||
+         type == QuestionType::kRightOne || type == QuestionType::kOther;
 }
 
 std::optional<std::size_t> place_in_offer(QuestionType type) {
@@ -306,21 +328,6 @@ std::optional<std::size_t> place_in_offer(QuestionType type) {
     default:
       return std::nullopt;
   }
-}
-
-// "The second one"; nothing where there are not so many.
-std::optional<Understood> chosen(const Understood& offer, std::size_t place) {
-  Understood meant{Outcome::kQuestion, offer.type, offer.names, false, offer.rooms};
-  const bool is_door = offer.outcome == Outcome::kWhichDoor;
-  const bool is_name = offer.outcome == Outcome::kWhichOne;
-  if (!is_name && !is_door && offer.outcome != Outcome::kWhichRoom) return std::nullopt;
-  const std::size_t at = place + (is_door ? 1 : 0);
-  const Nouns& offered = is_name ? offer.names : offer.rooms;
-  if (at >= offered.size()) return std::nullopt;
-  if (is_name) meant.names = {offered[at]};
-  if (!is_name) meant.rooms = {offered[at]};
-  if (is_door) meant.rooms.insert(meant.rooms.begin(), offered.front());
-  return meant;
 }
 
 }  // namespace
@@ -338,37 +345,54 @@ Understood following(const Understood& last, Understood said) {
   return said;
 }
 
+std::vector<Understood> choices_of(const Understood& heard) {
+  std::vector<Understood> choices;
+  const auto add = [&](Nouns names, Nouns rooms) {
+    choices.push_back({Outcome::kQuestion, heard.type, std::move(names), false, std::move(rooms)});
+  };
+  switch (heard.outcome) {
+    case Outcome::kDidYouMean:
+    case Outcome::kWhichOne:
+      for (const Noun& name : heard.names) add({name}, heard.rooms);
+      break;
+    case Outcome::kWhichRoom:
+      for (const Noun& room : heard.rooms) add(heard.names, {room});
+      break;
+    case Outcome::kWhichDoor:
+      for (std::size_t i = 1; i < heard.rooms.size(); ++i) {
+        add(heard.names, {heard.rooms.front(), heard.rooms[i]});
+      }
+      break;
+    default:
+      break;
+  }
+  return choices;
+}
+
 Understood in_answer_to(const Understood& offer, Understood said) {
-  if (is_offer(offer) && said.outcome == Outcome::kQuestion) {
-    if (said.type == QuestionType::kNo) return {.outcome = Outcome::kDeclined};
-    if (const auto place = place_in_offer(said.type)) return chosen(offer, *place).value_or(said);
-    if (said.type == QuestionType::kNearest && offer.outcome == Outcome::kWhichRoom) {
-      return {Outcome::kQuestion, offer.type, offer.names, true};
-    }
+  const std::vector<Understood> choices = choices_of(offer);
+  if (choices.empty() || said.outcome != Outcome::kQuestion) return said;
+  if (said.type == QuestionType::kNo) return {.outcome = Outcome::kDeclined};
+  const bool is_yes = said.type == QuestionType::kYes;
+  if (is_yes) return offer.outcome == Outcome::kDidYouMean ? choices.front() : offer;
+  if (const auto place = place_in_offer(said.type)) {
+    const bool is_one = *place < choices.size() && offer.outcome != Outcome::kDidYouMean;
+    return is_one ? choices[*place] : offer;
   }
-  if (offer.outcome == Outcome::kWhichDoor && said.outcome == Outcome::kQuestion) {
-    return door_chosen(offer, std::move(said));
+  if (said.type == QuestionType::kNearest && offer.outcome == Outcome::kWhichRoom) {
+    return {Outcome::kQuestion, offer.type, offer.names, true};
   }
-  if (offer.outcome == Outcome::kWhichRoom && said.outcome == Outcome::kQuestion) {
-    // "The kitchen", "the one in the kitchen", or "in the kitchen", which asks what is in it else.
-    const bool names_room =
-        said.type == QuestionType::kNamed || said.type == QuestionType::kWhatIsIn;
-    const bool is_offered = names_room && said.names.size() == 1 &&
-                            std::ranges::any_of(offer.rooms, [&](const Noun& room) {
-                              return said.names.front().kind == Noun::Kind::kRoom &&
-                                     room.name == said.names.front().name;
-                            });
-    if (!is_offered) return said;
-    return {Outcome::kQuestion, offer.type, offer.names, false, said.names};
-  }
+  if (is_choice_by_place(said.type)) return offer;
   const bool is_of_names =
       offer.outcome == Outcome::kDidYouMean || offer.outcome == Outcome::kWhichOne;
-  if (!is_of_names || said.outcome != Outcome::kQuestion) return said;
-  if (said.type == QuestionType::kYes && offer.outcome == Outcome::kDidYouMean) {
-    return {Outcome::kQuestion, offer.type, offer.names, false, offer.rooms};
+  if (is_of_names) {
+    if (said.type == QuestionType::kNamed) said.type = offer.type;
+    return said;
   }
-  if (said.type == QuestionType::kNamed) said.type = offer.type;
-  return said;
+  const auto chosen =
+      offer.outcome == Outcome::kWhichDoor ? door_chosen(offer, said) : room_chosen(offer, said);
+  if (chosen) return *chosen;
+  return names_room(said) ? offer : said;
 }
 
 namespace {

@@ -42,6 +42,9 @@ struct Understood {
   // The room that was named with a thing: "the chair in the kitchen", or both of a door; of
   // kWhichRoom and kWhichDoor all of them.
   Nouns rooms = {};
+  // A name with one word before it at most, "in the kitchen": a question, or half an answer.
+  bool is_fragment = false;
+  bool doubts_way = false;  // who is led does not want to go on as before: what is unclear pauses
 };
 
 // Texts that are longer are not understood, bytes.
@@ -56,12 +59,18 @@ constexpr std::size_t kMaxQuestionBytes = 500;
 [[nodiscard]] Understood understand(std::string_view text, const Phrasebook& phrases,
                                     const HomeNames& home);
 
+// What each of the things, rooms or doors means that `heard` offers to choose from, in the order in
+// which they are told; empty where it offers nothing.
+[[nodiscard]] std::vector<Understood> choices_of(const Understood& heard);
+
 // The question which of a thing's rooms is meant, for a question about it.
 [[nodiscard]] Understood which_room(Understood question, std::vector<std::string> rooms);
 // The question to which of these rooms the door of the room leads that was named.
 [[nodiscard]] Understood which_door(Understood question, const std::vector<std::string>& rooms);
 // What is meant by "yes", or by a name alone, after an `offer` (kDidYouMean, kWhichOne; a room's
-// after kWhichRoom and kWhichDoor), or by "the second one" and the like; else `said` as it is.
+// after kWhichRoom and kWhichDoor), or by "the second one" and the like; else `said` as it is. The
+// offer again where an answer chooses nothing of it: "the third one" of two, "yes" to two, the name
+// of a room that was not offered.
 [[nodiscard]] Understood in_answer_to(const Understood& offer, Understood said);
 // What is meant by "take me there", "how far is it" or "and the sink" after `last`, a question with
 // a name; else `said` as it is.

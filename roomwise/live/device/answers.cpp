@@ -192,10 +192,24 @@ std::vector<guide::Prompt> where_is(const service::Ask& ask, const Situation& si
                               wording, now_ns, situation.today);
 }
 
+std::optional<guide::Side> side_of(service::Question question) {
+  switch (question) {
+    case service::Question::kWhatIsLeft:
+      return guide::Side::kLeft;
+    case service::Question::kWhatIsRight:
+      return guide::Side::kRight;
+    case service::Question::kWhatIsBehind:
+      return guide::Side::kBehind;
+    default:
+      return std::nullopt;
+  }
+}
+
 // Of questions that rest on the picture in hand: directions, and where one stands.
 bool rests_on_picture(const service::Ask& ask) {
   using service::Question;
   return ask.question == Question::kWhichWay || ask.question == Question::kWhatIsAhead ||
+         side_of(ask.question).has_value() ||
          (ask.question == Question::kDescribeRoom && ask.subject.empty());
 }
 
@@ -216,6 +230,7 @@ class HomeAnswers {
     if (rests_on_picture(ask) && situation_.result == nullptr) {
       return {no_picture(situation_.settings, situation_.now_t_ms)};
     }
+    if (const auto side = side_of(ask.question)) return on_side(*side);
     switch (ask.question) {
       case Question::kWhatIsOn:
         return on(ask.subject);
@@ -228,6 +243,9 @@ class HomeAnswers {
         return guide::change_prompts(home.latest, wording_, today_);
       case Question::kWhichRooms:
         return which_rooms();
+      case Question::kWhereToSit:
+        return guide::seat_prompts(location_, home.things, doorways_, home.concepts.vocabulary,
+                                   wording_, today_.now_ns, today_.date);
       default:
         return of_room(ask);
     }
@@ -244,6 +262,16 @@ class HomeAnswers {
         guide::thing_meant(asked, home.things, home.concepts.vocabulary, wording_.phrases());
     if (!surface) return unknown(guide::thing(asked));
     return guide::on_prompts(*surface, map_, location_, wording_, today_);
+  }
+  // Things, and doors of this room.
+  [[nodiscard]] std::vector<guide::Prompt> on_side(guide::Side side) const {
+    std::vector<rooms::Doorway> doors = guide::doors_of(doorways_);
+    std::erase_if(doors, [&](const rooms::Doorway& door) {
+      return !location_.room || !door.joins(*location_.room);
+    });
+    std::vector<guide::KnownThing> things = as_things(doors, location_);
+    things.insert(things.end(), situation_.home.things.begin(), situation_.home.things.end());
+    return guide::side_prompts(side, location_, things, wording_, today_.now_ns, today_.date);
   }
   [[nodiscard]] std::vector<guide::Prompt> which_rooms() const {
     std::vector<std::string> names;
@@ -328,6 +356,14 @@ std::optional<service::Question> question_of(guide::QuestionType type, bool is_r
     case QuestionType::kWhatIsAhead:
     case QuestionType::kSomethingAhead:
       return Question::kWhatIsAhead;
+    case QuestionType::kWhatIsLeft:
+      return Question::kWhatIsLeft;
+    case QuestionType::kWhatIsRight:
+      return Question::kWhatIsRight;
+    case QuestionType::kWhatIsBehind:
+      return Question::kWhatIsBehind;
+    case QuestionType::kWhereToSit:
+      return Question::kWhereToSit;
     case QuestionType::kWhatChanged:
       return Question::kWhatChanged;
     case QuestionType::kDescribeRoom:
@@ -644,6 +680,10 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
     case service::Question::kWhichRooms:
     case service::Question::kWhichWay:
     case service::Question::kWhatIsAhead:
+    case service::Question::kWhatIsLeft:
+    case service::Question::kWhatIsRight:
+    case service::Question::kWhatIsBehind:
+    case service::Question::kWhereToSit:
     case service::Question::kWhatChanged:
     case service::Question::kDescribeRoom:
       return HomeAnswers(situation, wording, now_ns).to(ask);

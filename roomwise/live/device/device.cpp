@@ -312,32 +312,43 @@ void Device::understand(const Asked& asked) {
   const auto view = host_.view_for(who_);
   const guide::HomeNames names = names_in(*view);
   guide::Wording wording;
-  guide::Understood offered, named;
-  bool led = false, follows_way = false;
+  guide::Dialogue dialogue;
+  service::SpeakingSettings settings;
   {
     const std::scoped_lock lock(mutex_);
-    led = is_led();
-    follows_way = led && led_->follows_way();
+    settings = settings_;
     wording = wording_of(settings_);
-    offered = std::exchange(offered_, {});
-    if (in_words.t_ms > offered_until_t_ms_) offered = {};
-    if (in_words.t_ms - named_t_ms_ <= kNamedFor_ms) named = named_;
+    dialogue.is_led = is_led();
+    dialogue.follows_way = dialogue.is_led && led_->follows_way();
+    if (dialogue.is_led) dialogue.goal = led_->goal();
+    dialogue.offer = std::exchange(offered_, {});
+    if (in_words.t_ms > offered_until_t_ms_) dialogue.offer = {};
+    // Who is led may take back for as long where they wanted to be led.
+    const bool is_goal = dialogue.goal && !named_.names.empty() &&
+                         named_.type == guide::QuestionType::kTakeMeTo &&
+                         named_.names.front().name == dialogue.goal->name;
+    if (is_goal || in_words.t_ms - named_t_ms_ <= kNamedFor_ms) {
+      dialogue.last = named_;
+      dialogue.chosen_from = chosen_from_;
+    }
   }
+  const guide::Understood offered = dialogue.offer;
+  const bool is_led_now = dialogue.is_led;
+  const guide::Understood& choice_of =
+      guide::choices_of(offered).empty() ? dialogue.chosen_from : offered;
+  const guide::UserLocation location = location_now(in_words.t_ms);
+  dialogue.places = places_of(guide::choices_of(choice_of), in_words, *view, location, settings,
+                              calendar_time(unix_now_ns()));
   guide::Understood heard =
-      guide::in_answer_to(offered, guide::understand(in_words.subject, wording.phrases(), names));
-  if (!led) heard = guide::following(named, std::move(heard));
-  if (led) {
-    heard = guide::unless_stopped(std::move(heard), in_words.subject, wording.phrases(), names);
-  }
-  if (follows_way) heard = guide::while_led(std::move(heard));
+      guide::in_dialogue(in_words.subject, wording.phrases(), names, dialogue);
   if (const auto ask = ask_of(heard, in_words)) {
     if (!heard.names.empty()) {
       const std::scoped_lock lock(mutex_);
       named_ = heard;
       named_t_ms_ = in_words.t_ms;
+      chosen_from_ = guide::is_chosen_from(heard, choice_of) ? choice_of : guide::Understood{};
     }
     if (heard.is_nearest) return hear({*ask, asked.came});
-    const guide::UserLocation location = location_now(in_words.t_ms);
     auto rooms = rooms_to_choose(*ask, *view, location, wording);
     const auto behind_doors = doors_to_choose(*ask, *view, location, wording);
     if (rooms.empty() && behind_doors.empty()) return hear({*ask, asked.came});
@@ -345,20 +356,21 @@ void Device::understand(const Asked& asked) {
                           : guide::which_room(std::move(heard), std::move(rooms));
   }
   auto prompts = guide::refusal_prompts(heard, names, wording, std::llround(in_words.t_ms * 1e6),
-                                        {location_now(in_words.t_ms).room, led});
+                                        {location.room, is_led_now});
   {
     const std::scoped_lock lock(mutex_);
     const bool is_emergency =
         heard.outcome == guide::Understood::Outcome::kQuestion &&
         (heard.type == guide::QuestionType::kEmergency || heard.type == guide::QuestionType::kHelp);
-    if (is_emergency && is_led()) {
-      prompts.insert(prompts.begin(), led_->hear(service::GuideWish::kPause, in_words.t_ms));
-      if (settings_.may_watch) watch_.say(prompts, Clock::now());
-    }
     // A word that is not understood leaves the offer as it is.
     const bool is_lost = heard.outcome == guide::Understood::Outcome::kNotUnderstood;
     offered_ = is_lost ? offered : heard;
     if (!is_lost) offered_until_t_ms_ = static_cast<double>(prompts.front().valid_until_ns) / 1e6;
+    const bool doubts_way = heard.doubts_way && is_led() && led_->follows_way();
+    if ((is_emergency && is_led()) || doubts_way) {
+      prompts.insert(prompts.begin(), led_->hear(service::GuideWish::kPause, in_words.t_ms));
+      if (settings_.may_watch) watch_.say(prompts, Clock::now());
+    }
   }
   say(prompts, in_words.id, {});
   show_walk(false);

@@ -224,6 +224,7 @@ class Device : public std::enable_shared_from_this<Device> {
   // The last question in words with a name, while "take me there" may mean it.
   guide::Understood named_;
   double named_t_ms_ = 0;
+  guide::Understood chosen_from_;  // the offer of which that was chosen
   std::optional<FrameResult> last_result_;
   Announcer announcer_;
   std::unique_ptr<LedWalk> led_;  // who is led somewhere, or was

@@ -283,4 +283,30 @@ guide::Prompt LedWalk::repeat(double now_t_ms) {
   return guidance_->request(guide::GuidanceRequest::kRepeat, at(now_t_ms));
 }
 
+std::vector<std::optional<guide::ChoicePlace>> places_of(std::span<const guide::Understood> choices,
+                                                         const service::Ask& in_words,
+                                                         const HomeView& home,
+                                                         const guide::UserLocation& location,
+                                                         const service::SpeakingSettings& settings,
+                                                         const std::optional<CalendarTime>& today) {
+  const guide::Pose* const pose = location.sure_pose();
+  if (pose == nullptr) return {};
+  const std::vector<rooms::Doorway> doorways = doorways_of(home);
+  const guide::HomeMap map = map_on(today, home, doorways);
+  const auto place_of = [&](const guide::Understood& choice) -> std::optional<guide::ChoicePlace> {
+    const auto ask = ask_of(choice, in_words);
+    if (!ask) return std::nullopt;
+    const auto goal = nearest(goals_of(*ask, home, location, settings, today), map, location);
+    if (!goal || !goal->outline) return std::nullopt;
+    const Eigen::Vector2d place_plan = goal->outline->middle_plan;
+    if (!map.are_on_one_storey(pose->position_plan, place_plan)) return std::nullopt;
+    const guide::Plan plan = guide::plan_way(map, location, *goal);
+    if (plan.status != guide::PlanStatus::kComplete) return std::nullopt;
+    return guide::ChoicePlace{pose->ahead_left_of(place_plan), guide::length_m(plan.route)};
+  };
+  std::vector<std::optional<guide::ChoicePlace>> places;
+  for (const guide::Understood& choice : choices) places.push_back(place_of(choice));
+  return places;
+}
+
 }  // namespace roomwise::live

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "roomwise/guide/led/guidance.h"
+#include "roomwise/guide/questions/dialogue.h"
 #include "roomwise/live/device/answers.h"
 
 namespace roomwise::live {
@@ -34,6 +35,7 @@ class LedWalk {
   [[nodiscard]] bool is_over() const { return guidance_->is_over(); }
   // Not paused, lost, by rooms or on stairs.
   [[nodiscard]] bool follows_way() const;
+  [[nodiscard]] const guide::Noun& goal() const { return guidance_->goal().noun; }
   // The floor as it was found on the way; null where the home's map is another, or has none.
   [[nodiscard]] const fusion::FloorGrid* floor_on(const HomeView& home) const {
     return is_same_map(home) ? guidance_->floor().grid() : nullptr;
@@ -63,5 +65,12 @@ class LedWalk {
   std::unique_ptr<guide::Guidance> guidance_;
   TimestampNs now_ns_ = 0;  // never goes back, as pictures and questions may
 };
+
+// Where each of the choices lies from where somebody stands; nothing of one to which no whole way
+// is known, or that is on another storey. Empty where their place is not sure.
+[[nodiscard]] std::vector<std::optional<guide::ChoicePlace>> places_of(
+    std::span<const guide::Understood> choices, const service::Ask& in_words, const HomeView& home,
+    const guide::UserLocation& location, const service::SpeakingSettings& settings,
+    const std::optional<CalendarTime>& today);
 
 }  // namespace roomwise::live

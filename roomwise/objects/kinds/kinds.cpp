@@ -34,6 +34,8 @@ Kind kind_of(const json& row) {
     if (field == "on_floor") value.get_to(kind.stands_on_floor);
     if (field == "moves") value.get_to(kind.is_moved_about);
     if (field == "fixed") value.get_to(kind.is_fixed);
+    if (field == "seat") value.get_to(kind.is_seat);
+    if (field == "surface") value.get_to(kind.is_surface);
     if (field == "spoken") value.get_to(kind.is_spoken_of);
     if (field == "room_type") value.get_to(kind.room_type);
     if (field == "called") value.get_to(kind.called);
@@ -42,8 +44,9 @@ Kind kind_of(const json& row) {
 }
 
 Expected<void> check_fields(const json& row) {
-  static const std::set<std::string> kFields{"name",  "labels", "size_m",    "on_floor", "moves",
-                                             "fixed", "spoken", "room_type", "called"};
+  static const std::set<std::string> kFields{"name",   "labels",    "size_m", "on_floor",
+                                             "moves",  "fixed",     "seat",   "surface",
+                                             "spoken", "room_type", "called"};
   for (const auto& [field, value] : row.items()) {
     if (!kFields.contains(field)) return fail("there is no field \"{}\"", field);
   }

@@ -41,6 +41,8 @@ struct Kind {
   bool stands_on_floor = false;
   bool is_moved_about = false;               // by people, from day to day
   bool is_fixed = false;                     // to the house, or too heavy to be moved
+  bool is_seat = false;                      // people sit on it
+  bool is_surface = false;                   // things are put on it, and none into it
   bool is_spoken_of = true;                  // otherwise it only competes with what looks like it
   std::string room_type;                     // that the paper's home has it in; may be empty
   std::map<std::string, SpokenName> called;  // by language: "de"

@@ -10,7 +10,7 @@ constexpr std::array<Word<DeviceKind>, 3> kKinds{{{"phone", DeviceKind::kPhone},
                                                   {"page", DeviceKind::kPage}}};
 constexpr std::array<Word<Distances>, 2> kDistances{
     {{"metres", Distances::kMetres}, {"steps", Distances::kSteps}}};
-constexpr std::array<Word<Question>, 32> kQuestions{{{"where_am_i", Question::kWhereAmI},
+constexpr std::array<Word<Question>, 36> kQuestions{{{"where_am_i", Question::kWhereAmI},
                                                      {"around_me", Question::kAroundMe},
                                                      {"where_is", Question::kWhereIs},
                                                      {"way_to", Question::kWayTo},
@@ -24,6 +24,10 @@ constexpr std::array<Word<Question>, 32> kQuestions{{{"where_am_i", Question::kW
                                                      {"which_rooms", Question::kWhichRooms},
                                                      {"which_way", Question::kWhichWay},
                                                      {"what_is_ahead", Question::kWhatIsAhead},
+                                                     {"what_is_left", Question::kWhatIsLeft},
+                                                     {"what_is_right", Question::kWhatIsRight},
+                                                     {"what_is_behind", Question::kWhatIsBehind},
+                                                     {"where_to_sit", Question::kWhereToSit},
                                                      {"what_changed", Question::kWhatChanged},
                                                      {"describe_room", Question::kDescribeRoom},
                                                      {"what_can_i_ask", Question::kWhatCanIAsk},

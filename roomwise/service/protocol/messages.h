@@ -76,6 +76,10 @@ enum class Question {
   kWhichRooms,
   kWhichWay,  // does one look
   kWhatIsAhead,
+  kWhatIsLeft,  // of who asks
+  kWhatIsRight,
+  kWhatIsBehind,
+  kWhereToSit,
   kWhatChanged,
   kDescribeRoom,
   kWhatCanIAsk,
