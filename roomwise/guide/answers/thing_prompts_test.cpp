@@ -86,6 +86,34 @@ TEST_F(ThingPromptsTest, AtMostFourThingsOneOfANameAndLargeOnesBeforeSmallOnes) 
                           "Table at 12 o'clock, 2 steps.", "Microwave at 12 o'clock, 3 steps."));
 }
 
+TEST_F(ThingPromptsTest, ASideIsThreeHoursOfTheClock) {
+  const auto on = [&](Side side, const UserLocation& location) {
+    return texts(side_prompts(side, location, things_, english_, kNow));
+  };
+  EXPECT_THAT(on(Side::kRight, standing_), ElementsAre("Fridge at 3 o'clock, 2 steps."));
+  EXPECT_THAT(on(Side::kLeft, standing_), ElementsAre("I know of nothing there."))
+      << "the lamp is in another room";
+  things_.push_back(at("chair", 5, 2, "kitchen"));
+  EXPECT_THAT(on(Side::kBehind, standing_), ElementsAre("Chair at 6 o'clock, 3 steps."));
+  // Who stands at its end has it beside them, though its middle is ahead.
+  things_.push_back(at("table", 3.5, 6.8, "kitchen"));
+  things_.back().box_keyframe.size_m = Vector3d(1, 4, 0.7);
+  EXPECT_THAT(on(Side::kLeft, standing_), ElementsAre("Table at 11 o'clock, 2 steps."));
+  EXPECT_THAT(on(Side::kLeft, {std::nullopt, "kitchen"}),
+              ElementsAre("I do not know where you stand. Turn slowly."));
+}
+
+TEST_F(ThingPromptsTest, WhereToSitIsTheNearestSeatHereOrElsewhere) {
+  const auto seats = [&] {
+    return texts(seat_prompts(standing_, things_, doorways_, vocabulary_, english_, kNow));
+  };
+  EXPECT_THAT(seats(), ElementsAre("The bed is in the bedroom, through the corridor."));
+  things_.push_back(at("stool", 5, 2, "kitchen"));
+  EXPECT_THAT(seats(), ElementsAre("Stool at 6 o'clock, 3 steps."));
+  things_ = {at("fridge", 7.3, 5, "kitchen")};
+  EXPECT_THAT(seats(), ElementsAre("I know of nothing to sit on."));
+}
+
 TEST_F(ThingPromptsTest, UnsureThingsAreProbable) {
   things_ = {at("fridge", 7.3, 5, "kitchen", 0.6), at("chair", 4.2, 5, "kitchen", 0.6),
              at("table", 5, 4.0, "kitchen")};

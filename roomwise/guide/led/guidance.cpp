@@ -716,7 +716,7 @@ Prompt Guidance::end_barred() {
 }
 
 std::optional<Prompt> Guidance::say_of_goal(Confidence confidence) {
-  const std::vector<Phrase> phrases = at_goal_phrases(goal());
+  const std::vector<Phrase> phrases = at_goal_phrases(goal(), wording_);
   const auto said = static_cast<std::size_t>(said_.of_end);
   if (said >= phrases.size()) return std::nullopt;
   ++said_.of_end;

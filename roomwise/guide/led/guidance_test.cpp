@@ -227,6 +227,12 @@ TEST_F(GuidanceTest, WhoWalksAlongAnOpeningIsNotToldOfIt) {
       2U);
 }
 
+TEST_F(GuidanceTest, WhoIsLedToADoorHearsHowWideItIs) {
+  lead_to(Goal::of(layout_.doorways()[0]), {3.9, 3.45}, 0);
+  EXPECT_THAT(hear(12), ElementsAre("You are there: the door, right here.",
+                                    "The door is about 90 centimetres wide."));
+}
+
 TEST_F(GuidanceTest, ADoorThatIsNarrowerThanUsualIsAnnouncedSo) {
   grid_ = testing::two_rooms().fill({40, 30}, {41, 33}, FloorCell::kOccupied).grid();
   layout_ = testing::layout_of_two_rooms(grid_);

@@ -51,8 +51,12 @@ Phrase there_phrase(const Goal& goal, const Pose& pose) {
   return {with_side("guide.there", touch, pose), {{"goal", Nouns{goal.noun}}}};
 }
 
-std::vector<Phrase> at_goal_phrases(const Goal& goal) {
+std::vector<Phrase> at_goal_phrases(const Goal& goal, const Wording& wording) {
   std::vector<Phrase> phrases;
+  if (goal.kind == Goal::Kind::kDoor && goal.outline && goal.outline->size_m.x() > 0) {
+    phrases.push_back(
+        {"guide.door_width", {{"width", width_text(goal.outline->size_m.x(), wording.phrases())}}});
+  }
   if (goal.kind == Goal::Kind::kThing && !goal.on.empty()) {
     phrases.push_back({"where.on", {{"thing", thing(goal.on)}}});
   }

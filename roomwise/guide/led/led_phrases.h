@@ -17,7 +17,7 @@ namespace roomwise::guide {
                                                 const Phrasebook& phrases);
 // "You are there: the bed ahead, in reach."
 [[nodiscard]] Phrase there_phrase(const Goal& goal, const Pose& pose);
-// And then: what it lies on, how high to reach, and what a helper noted.
-[[nodiscard]] std::vector<Phrase> at_goal_phrases(const Goal& goal);
+// And then: how wide the door is, what it lies on, how high to reach, and what a helper noted.
+[[nodiscard]] std::vector<Phrase> at_goal_phrases(const Goal& goal, const Wording& wording);
 
 }  // namespace roomwise::guide

@@ -159,7 +159,8 @@ class CorrectionReader {
     }
     if (!meant.empty()) {
       correction.meant = heard(meant);
-      const bool is_lost = correction.meant->outcome == Outcome::kNotUnderstood;
+      const bool is_no = is_question(*correction.meant) && correction.meant->type == Type::kNo;
+      const bool is_lost = is_no || correction.meant->outcome == Outcome::kNotUnderstood;
       if (is_lost && !denied.empty()) return;
       if (is_lost) correction.meant.reset();
     }

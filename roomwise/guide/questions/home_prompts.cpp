@@ -344,11 +344,9 @@ std::vector<Prompt> describe_prompts(const std::string& room, const HomeMap& map
   for (const rooms::Doorway* door : doors) {
     const DoorWidth width = width_of(*door);
     if (!door->is_door() || width == DoorWidth::kUsual) continue;
-    // As exact as a floor's cells.
-    const double width_cm = 5 * std::round(100 * door->width_m / 5);
     answer.say(width == DoorWidth::kNarrow ? "describe.narrow" : "describe.wide",
                {{"room", guide::room(door->rooms[door->rooms[0] == room ? 1 : 0])},
-                {"width", wording.phrases().count("centimetre", width_cm)}});
+                {"width", width_text(door->width_m, wording.phrases())}});
   }
   auto there = things_in(room, map);
   if (there.empty() || doors.empty() || extent == nullptr) {

@@ -90,6 +90,10 @@ DoorWidth width_of(const rooms::Doorway& door) {
                                   : DoorWidth::kUsual;
 }
 
+std::string width_text(double width_m, const Phrasebook& phrases) {
+  return phrases.count("centimetre", 5 * std::round(100 * width_m / 5));
+}
+
 Noun door_noun(const rooms::Doorway& door) {
   const DoorWidth width = width_of(door);
   return {Noun::Kind::kThing, width == DoorWidth::kNarrow ? "narrow door"

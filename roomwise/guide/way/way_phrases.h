@@ -28,6 +28,8 @@ namespace roomwise::guide {
 // go through: between the first two a door becomes narrow, beyond the last one wide.
 enum class DoorWidth { kUsual, kNarrow, kWide };
 [[nodiscard]] DoorWidth width_of(const rooms::Doorway& door);  // kUsual, too, where none is known
+// "80 centimetres": as exact as a floor's cells.
+[[nodiscard]] std::string width_text(double width_m, const Phrasebook& phrases);
 // "door", "narrow door", "wide door", as languages know them.
 [[nodiscard]] Noun door_noun(const rooms::Doorway& door);
 

@@ -394,6 +394,24 @@ TEST(Answers, DirectionsRestOnAPictureAndSayWhatIsAheadNow) {
             "You face the fridge, 3 metres.");
 }
 
+TEST(Answers, SidesRestOnAPictureAndSeatsDoNot) {
+  HomeView home;
+  FrameResult result = glance_in("kitchen", 500, rooms::Verdict::kRoom);
+  result.place = at_the_origin();
+  home.things = {thing("fridge", "kitchen", {0.1, 3, 1}), thing("chair", "kitchen", {-3, 0, 0.5})};
+  const service::SpeakingSettings settings;
+  using service::Question;
+  const auto told = [&](Question question, const FrameResult* seen) {
+    return answer({1, 600, question, ""}, {home, seen, settings, 600}).at(0).text;
+  };
+  EXPECT_THAT(told(Question::kWhatIsLeft, &result), HasSubstr("ridge at 9 o'clock"));
+  EXPECT_THAT(told(Question::kWhatIsBehind, &result), HasSubstr("hair at 6 o'clock"));
+  EXPECT_EQ(told(Question::kWhatIsRight, &result), "I know of nothing there.");
+  EXPECT_EQ(told(Question::kWhatIsLeft, nullptr), "I get no pictures.");
+  EXPECT_THAT(told(Question::kWhereToSit, &result), HasSubstr("hair at 6 o'clock"));
+  EXPECT_THAT(told(Question::kWhereToSit, nullptr), HasSubstr("in the kitchen"));
+}
+
 TEST(Answers, WhatIsAheadIsSureOnlyWhereDepthIsMeasured) {
   LiveMap map;  // with a floor of 6 x 4 m that is free
   map.floor.emplace(Eigen::Vector2d(-1, -2), 0.05,

@@ -434,6 +434,8 @@ TEST_F(DeviceTest, OfThingsInSeveralRoomsItAsksWhichOneIsMeant) {
   say(hello());
   EXPECT_EQ(answer(1, "take me to the chair").text,
             "Chair: in the hall and in the kitchen. Which one?");
+  EXPECT_EQ(answer(5, "the third one").message_id, "ask.which_room") << "of two";
+  EXPECT_EQ(answer(6, "the left one").message_id, "ask.which_room") << "nobody knows where one is";
   EXPECT_EQ(answer(2, "the one in the kitchen").message_id, "route.no_place");
   EXPECT_EQ(host.answers.back(), service::Question::kTakeMeTo);
   EXPECT_THAT(answer(3, "where is the chair in the hall").text, HasSubstr("in the hall"));
@@ -1001,7 +1003,7 @@ TEST_F(DeviceTest, AnOfferOutlivesWhatIsNotUnderstoodAndANameLastsHalfAMinute) {
     return wire->take<service::PromptMessage>().at(0).message_id;
   };
   EXPECT_EQ(message(1, 100, "where is the bedrom"), "ask.did_you_mean");
-  EXPECT_EQ(message(2, 200, "hm let me think"), "ask.not_understood");
+  EXPECT_EQ(message(2, 200, "hm let me think"), "ask.did_you_mean") << "what can be answered";
   EXPECT_EQ(message(3, 300, "yes"), "route.no_place");
   EXPECT_EQ(message(4, 400, "where is the bedrom"), "ask.did_you_mean");
   EXPECT_EQ(message(5, 500, "no"), "ask.all_right");
@@ -1065,6 +1067,28 @@ TEST_F(DeviceTest, WhoAsksInWordsToBeLedTalksToTheGuide) {
   EXPECT_EQ(message(3, "warte kurz"), "guide.paused");
   EXPECT_EQ(message(4, "weiter"), "guide.resumed");
   EXPECT_EQ(message(5, "Schluss!"), "guide.ended");
+}
+
+TEST_F(DeviceTest, WhoIsLedTakesBackWhereTo) {
+  for (const char* name : {"bed", "fridge", "sofa"}) {
+    guide::KnownThing& thing = host.home->things.emplace_back();
+    thing.name = name;
+    thing.room = "bedroom";
+  }
+  say(hello());
+  const auto message = [&](std::int64_t id, const std::string& words) {
+    ask(id, 100, service::Question::kInWords, words);
+    return wire->take<service::PromptMessage>().at(0).message_id;
+  };
+  EXPECT_EQ(message(1, "take me to the bed"), "route.no_place");
+  EXPECT_EQ(message(2, "no, the sofa"), "route.no_place");
+  EXPECT_EQ(host.answers.back(), service::Question::kTakeMeTo);
+  EXPECT_EQ(message(3, "no, the frigde"), "ask.did_you_mean") << "a slip changes no goal";
+  EXPECT_EQ(message(4, "the second one"), "ask.did_you_mean") << "there is none";
+  EXPECT_EQ(message(5, "yes"), "route.no_place");
+  EXPECT_EQ(host.answers.back(), service::Question::kTakeMeTo);
+  EXPECT_EQ(message(6, "no"), "guide.paused");
+  EXPECT_EQ(message(7, "cancel that"), "guide.ended");
 }
 
 TEST_F(DeviceTest, ThingsAreNamedInTheLanguageThatIsSpoken) {
