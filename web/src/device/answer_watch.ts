@@ -32,6 +32,10 @@ export class AnswerWatch {
     }
   }
 
+  get waits(): boolean {
+    return this.asked !== null;
+  }
+
   silent(now: number): boolean {
     return this.asked !== null && now - this.silentSince >= kAnsweredWithinMs;
   }

@@ -49,6 +49,11 @@ function thingOf(thing: string, room: string | undefined): { thing: string; in?:
   return room === undefined ? { thing } : { thing, in: room };
 }
 
+// Of these led_again.ts takes care.
+function asksTheGuide(question: Question | null): boolean {
+  return question !== null && ['take_me_to', 'take_me_back', 'guide'].includes(question.question);
+}
+
 export class Phone {
   readonly state: PhoneState = {
     home: '', rooms: [], things: [], thingsInRooms: [], spots: [], online: false, camera: 'off', recording: null, pictures: 0, isWalking: false, waits: false, quiet: false,
@@ -70,6 +75,8 @@ export class Phone {
   private timer = 0;
   private isOver = false;
   private lastAsked = 0;
+  private lastQuestion: Question | null = null;
+  private unanswered: Question | null = null; // when a connection went of whose loss nobody was told
   private device: number | null; // this one's number, once the computer told it
   private heldRecording: RecordingState | NotRecorded | null = null; // came before that
   private greeted: (() => void)[] = []; // to be told once hello was said of the camera that is used now
@@ -121,12 +128,20 @@ export class Phone {
       return;
     }
     const id = this.session.ask(question, now);
+    this.unanswered = null;
     if (id === null) {
       this.say('device.connection_lost', 'answer');
     } else {
       this.lastAsked = id;
+      this.lastQuestion = question;
       this.ledAgain.ask(id, question);
       this.answers.ask(id, now);
+    }
+  }
+
+  private askAnew(): void {
+    if (this.unanswered !== null) {
+      this.ask(this.unanswered);
     }
   }
 
@@ -316,7 +331,13 @@ export class Phone {
     if (this.state.quiet) {
       this.session.send({ type: 'quiet', on: true });
     }
-    this.tellConnection(this.connection.online());
+    const news = this.connection.online();
+    this.tellConnection(news);
+    if (news === 'back') {
+      this.unanswered = null; // who was told of the loss asks again, if they still want to know
+    } else if (this.camera.description === null) {
+      this.askAnew(); // else with the first picture: the computer has none yet to answer by
+    }
     if (this.device === null) {
       void this.identify();
     }
@@ -328,6 +349,9 @@ export class Phone {
     this.state.online = false;
     this.state.teaching = 'no'; // the computer forgets what was shown
     this.sender.reset();
+    if (this.answers.waits && !asksTheGuide(this.lastQuestion)) {
+      this.unanswered = this.lastQuestion;
+    }
     this.answers.reset();
     this.connection.offline(performance.now());
     this.whenAimed(null);
@@ -419,6 +443,7 @@ export class Phone {
       if (picture && this.session.sendFrame(frameEnvelope(taken, picture))) {
         this.sender.sent(taken, performance.now());
         this.sentPicture = newest;
+        this.askAnew();
       }
     } finally {
       this.grabbing = false;

@@ -4,7 +4,7 @@ import { after, test } from 'node:test';
 import { tellRecording } from '../stand_in_api';
 import { makePrompt } from '../stand_in_server';
 import { closeBrowser, gets, kDesktop, kFakeLens, kIsWebKit, kPhone, kWaiting, onlyInChromium, openVisit, skipReason, until, withServer, type Visit } from './harness';
-import { recordSpeech, speaks, spoken, voicesUsed, type Voice } from './person';
+import { heardOnce, recordSpeech, speaks, spoken, voicesUsed, type Voice } from './person';
 
 after(closeBrowser);
 const options = { skip: skipReason };
@@ -744,6 +744,21 @@ test('who turns the phone while they are led is led on; that hello is said anew 
   server.silent = false;
   await visit.hears('Connected again.');
   assert.deepEqual(await connectionFelt(), [lost, back]);
+  await visit.close();
+}));
+
+test('a question that waits while hello is said anew is asked again, and answered once', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: sceneCamera });
+  await start(visit, 'reader');
+  server.answersQuestions = false;
+  const before = server.newest('device');
+  await visit.press('Where am I');
+  await gets(() => before.asked.map((one) => one['question']), ['where_am_i']);
+  server.answersQuestions = true;
+  await setScene(visit, 'turned');
+  await heardOnce(visit, 'You are in the kitchen.');
+  assert.notEqual(server.newest('device'), before);
+  await gets(() => server.newest('device').asked.map((one) => one['question']), ['where_am_i']);
   await visit.close();
 }));
 

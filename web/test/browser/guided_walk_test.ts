@@ -1,92 +1,14 @@
 // Somebody is led by what a screen reader gets and by keys: nothing is looked for but in the accessibility tree.
 import assert from 'node:assert/strict';
 import { after, test } from 'node:test';
-import type { CDPSession, SerializedAXNode } from 'puppeteer-core';
 
 import type { Prompt } from '../../src/shared/protocol';
 import { makePrompt, type StandInServer } from '../stand_in_server';
-import { closeBrowser, kPatience, kPhone, onlyInChromium, openVisit, until, withServer, type Visit } from './harness';
+import { closeBrowser, kPhone, onlyInChromium, openVisit, until, withServer, type Visit } from './harness';
+import { ScreenReader } from './screen_reader';
 
 after(closeBrowser);
 const options = { skip: onlyInChromium('the accessibility tree is not told') };
-
-// Reads what is new in live regions, a text of the tree each, as a screen reader does.
-class ScreenReader {
-  readonly heard: string[] = [];
-  private readonly known = new Set<number>();
-
-  private constructor(private readonly visit: Visit, private readonly tree: CDPSession) {}
-
-  static async of(visit: Visit): Promise<ScreenReader> {
-    const tree = await visit.page.createCDPSession();
-    await tree.send('Accessibility.enable');
-    return new ScreenReader(visit, tree);
-  }
-
-  async listen(): Promise<void> {
-    const { nodes } = await this.tree.send('Accessibility.getFullAXTree');
-    const byId = new Map(nodes.map((node) => [node.nodeId, node]));
-    const isLive = (id: string | undefined): boolean => {
-      const node = byId.get(id ?? '');
-      const live = node?.properties?.find((one) => one.name === 'live')?.value.value as unknown;
-      return node !== undefined && (live === 'polite' || live === 'assertive' || isLive(node.parentId));
-    };
-    for (const { nodeId, ignored, role, name, backendDOMNodeId: element } of nodes) {
-      if (!ignored && role?.value === 'StaticText' && element !== undefined && !this.known.has(element) && isLive(nodeId)) {
-        this.known.add(element);
-        this.heard.push(String(name?.value));
-      }
-    }
-  }
-
-  // Waits until this is the newest.
-  async hears(words: string): Promise<void> {
-    const given = Date.now() + kPatience;
-    do {
-      await this.listen();
-    } while (this.heard.at(-1) !== words && Date.now() < given);
-    assert.equal(this.heard.at(-1), words, JSON.stringify(this.heard));
-  }
-
-  async names(role: string): Promise<string[]> {
-    const found: string[] = [];
-    const walk = (node: SerializedAXNode): void => {
-      if (node.role === role) {
-        found.push(node.name ?? '');
-      }
-      node.children?.forEach(walk);
-    };
-    walk(await this.snapshot());
-    return found;
-  }
-
-  async focused(): Promise<string> {
-    const find = (node: SerializedAXNode): string | null =>
-      node.focused === true && node.role !== 'RootWebArea' ? (node.name ?? '') : (node.children ?? []).map(find).find((name) => name !== null) ?? null;
-    return find(await this.snapshot()) ?? '';
-  }
-
-  // By Tab alone.
-  async press(name: string): Promise<void> {
-    const passed: string[] = [];
-    for (let i = 0; i < 60; i += 1) {
-      const here = await this.focused();
-      if (here === name) {
-        await this.visit.page.keyboard.press('Enter');
-        return;
-      }
-      passed.push(here);
-      await this.visit.page.keyboard.press('Tab');
-    }
-    assert.fail(`Tab does not lead to '${name}'; it leads to ${JSON.stringify(passed)}`);
-  }
-
-  private async snapshot(): Promise<SerializedAXNode> {
-    const tree = await this.visit.page.accessibility.snapshot();
-    assert.ok(tree);
-    return tree;
-  }
-}
 
 // A computer that leads, message by message.
 class Leader {

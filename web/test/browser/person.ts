@@ -16,6 +16,15 @@ export async function retype(visit: Visit, words: string): Promise<void> {
   await visit.type(words);
 }
 
+// The six digits of a code that a helper has shown, for the next device.
+export async function shownCode(helper: Visit): Promise<string> {
+  await helper.press('Show a code');
+  const code = await helper.page.waitForSelector('dialog .big-code');
+  const digits = await code?.evaluate((one) => one.textContent ?? '');
+  await helper.page.keyboard.press('Escape');
+  return (digits ?? '').replace(' ', '');
+}
+
 // Said once, by whatever live region.
 export async function heardOnce(visit: Visit, words: string): Promise<void> {
   await visit.hears(words);

@@ -1,5 +1,6 @@
 // A home is begun, recorded, named and learned with nothing but a phone: its browser in Chromium with a made-up session of
-// augmented reality that plays a simulated walk, and the real computer.
+// augmented reality that plays a simulated walk, and the real computer. Then somebody asks and is led by another phone, which
+// has no depth and which nobody calibrated: it is held upright on another walk, and heard through the accessibility tree.
 import assert from 'node:assert/strict';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -9,10 +10,12 @@ import type { Browser } from 'puppeteer-core';
 
 import type { Home, Keyframe } from '../../src/shared/protocol';
 import { kPages, kPhone, kWaiting, launchBrowser, openPage, skipReason, type Visit } from '../browser/harness';
-import { goTo } from '../browser/person';
+import { goTo, shownCode } from '../browser/person';
+import { ScreenReader } from '../browser/screen_reader';
+import { playedCamera, type PlayedCamera } from './played_camera';
 import { playedXr, type Played, type PlayedFrame } from './played_xr';
 import { HomeServer } from './programs';
-import { depthOf, posesOf, simulateWalk, type Walk } from './walk';
+import { depthOf, posesOf, simulateUprightWalk, simulateWalk, type Walk } from './walk';
 
 const kLongWork = 300_000; // ms
 const kNames: Record<string, string> = { hall: 'corridor', toilet: 'bathroom' };
@@ -21,6 +24,7 @@ const kAtOnce = 10; // frames that the page is given
 let browser: Browser | null = null;
 let server: HomeServer | null = null;
 let folder = '';
+let helper: Visit | null = null;
 after(async () => {
   await browser?.close();
   await server?.kill();
@@ -120,5 +124,63 @@ test('a home is begun with nothing but a phone', { skip: skipReason }, async () 
   const learned = await told<Home>(phone, '/api/home');
   assert.deepEqual(learned.rooms.map(({ name }) => name).sort(), ['bathroom', 'corridor']);
   assert.ok(learned.learned);
+  helper = phone;
+});
+
+// With a screen reader.
+async function start(visit: Visit, reader: ScreenReader): Promise<void> {
+  await visit.sees('Who shall speak?');
+  while (!(await reader.focused()).startsWith("The phone's own voice")) {
+    await visit.page.keyboard.press('Tab');
+  }
+  await visit.page.keyboard.press('ArrowDown');
+  await reader.press('Start');
+  await visit.sees('Camera sees', '.chip');
+}
+
+test('somebody asks and is led by another phone, without depth, that nobody calibrated', { skip: skipReason }, async () => {
+  assert.ok(browser && server && helper, 'there is a home');
+  await goTo(helper, 'The home', 'The home');
+  await helper.press('Add a thing');
+  await helper.type('sink'); // the first room of the list is the bathroom
+  await helper.page.keyboard.press('Enter');
+  await helper.hears('Added: sink.');
+  await goTo(helper, 'Devices', 'Devices');
+  const code = await shownCode(helper);
+
+  const { pictures } = await simulateUprightWalk(folder);
+  const walked = pictures.slice(pictures.findIndex(({ room }) => room === 'toilet') - 12); // from before the door
+  const phone = await openPage(browser, server.url, { size: kPhone, before: playedCamera });
+  await phone.page.exposeFunction('playedPicture', (which: number) => readFileSync(walked[which]!.color).toString('base64'));
+  const reader = await ScreenReader.of(phone);
+  const asks = async (answer: RegExp, ...ask: (() => Promise<void>)[]): Promise<void> => {
+    const known = reader.heard.length;
+    for (const one of ask) {
+      await one();
+    }
+    await reader.hearsLike(answer, known);
+  };
+  const press = (name: string) => (): Promise<void> => reader.press(name);
+  await phone.go('/pair');
+  await phone.sees('Pair this device');
+  await phone.type(code);
+  await reader.press('Pair');
+  await start(phone, reader);
+
+  await asks(/^You are in the corridor\.$/, press('Where am I'));
+  await asks(/^The sink is .*(o'clock|in the bathroom)/, press('Find…'), press('sink'));
+  const inWords = async (): Promise<void> => {
+    await phone.type('Which is the way to the sink?');
+    await phone.page.keyboard.press('Enter');
+  };
+  await asks(/metres? to the sink\.$/, press('Ask…'), inWords);
+  await asks(/^To the bathroom: about /, press('Take me…'), press('bathroom'));
+  await reader.hearsLike(/^(The door is|Turn|A little|Straight on|Through)/, reader.heard.length);
+  const known = reader.heard.length;
+  await phone.page.evaluate((until) => void ((window as unknown as { playedCamera: PlayedCamera }).playedCamera.until = until), walked.length - 1);
+  await reader.hearsLike(/^You are there, in the bathroom\.$/, known);
+  assert.ok(!(await reader.names('button')).includes('End'), 'nobody is led any more');
+  await asks(/sink/, press('What is around me'));
   await phone.close();
+  await helper.close();
 });

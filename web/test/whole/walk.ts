@@ -17,15 +17,23 @@ export interface Walk {
   pictures: Picture[];
 }
 
+const kHome = ['--home-seed', '3', '--rooms', 'toilet', '--samples', '1', '--bake-effort', '0.02'];
+
 // Small and coarse: some ten seconds on two cores. Where ROOMWISE_WALK names a folder it is kept there for the next time.
-export async function simulateWalk(folder: string): Promise<Walk> {
-  const camera = join(folder, 'camera.txt');
-  writeFileSync(camera, '262 262 159.5 119.5 320 240 5000\n');
-  const walk = process.env['ROOMWISE_WALK'] ?? join(folder, 'walk');
-  await new Program(folder, [
-    'simulate', '--home-seed', '3', '--rooms', 'toilet', '--fps', '4', '--frames', '150', '--no-fast-turns',
-    '--camera', camera, '--samples', '1', '--bake-effort', '0.02', '--keep', '-o', walk,
-  ]).succeeds();
+export function simulateWalk(folder: string): Promise<Walk> {
+  return simulate(folder, '', '262 262 159.5 119.5 320 240', '--frames', '150');
+}
+
+// Somebody else's walk through the same home, with a phone that they hold upright.
+export function simulateUprightWalk(folder: string): Promise<Walk> {
+  return simulate(folder, '-upright', '280 280 119.5 159.5 240 320', '--frames', '150', '--walk-seed', '2');
+}
+
+async function simulate(folder: string, suffix: string, numbers: string, ...words: string[]): Promise<Walk> {
+  const camera = join(folder, `camera${suffix}.txt`);
+  writeFileSync(camera, `${numbers} 5000\n`);
+  const walk = (process.env['ROOMWISE_WALK'] ?? join(folder, 'walk')) + suffix;
+  await new Program(folder, ['simulate', ...kHome, '--fps', '4', '--no-fast-turns', '--camera', camera, ...words, '--keep', '-o', walk]).succeeds();
   return readWalk(walk);
 }
 

@@ -10,7 +10,7 @@ import type { Browser, FileChooser } from 'puppeteer-core';
 
 import type { Home, Keyframe, RoomRange } from '../../src/shared/protocol';
 import { kDesktop, kPages, kPhone, kWaiting, launchBrowser, openPage, skipReason, type Visit } from '../browser/harness';
-import { goTo, heardOnce, recordSpeech, retype, speaks, spoken } from '../browser/person';
+import { goTo, heardOnce, recordSpeech, retype, shownCode, speaks, spoken } from '../browser/person';
 import { HomeServer, Program } from './programs';
 import { picturesIn, roomsOf, simulateWalk, standing, writeVideo, type Walk } from './walk';
 
@@ -133,7 +133,7 @@ step('a helper pairs with the code that the computer shows, and sees an empty ho
 
 step('a device is paired, recorded, watched and stopped; the map is made of it', async () => {
   await goTo(helper, 'Devices', 'Devices');
-  const code = await showCode();
+  const code = await shownCode(helper);
   const still = device('--pair', code, '--recording', standing(walk, walk.pictures[0]!, join(folder, 'standing')));
   await still.says(/Ready\./);
   await helper.sees('Chest camera', '.device-name');
@@ -163,14 +163,6 @@ step('a device is paired, recorded, watched and stopped; the map is made of it',
   assert.ok(keyframes.length > 20, `${keyframes.length} key-frames`);
   await helper.page.waitForFunction((count) => document.querySelectorAll('.timeline [role=option]').length === count, kWaiting, keyframes.length);
 });
-
-async function showCode(): Promise<string> {
-  await helper.press('Show a code');
-  const code = await helper.page.waitForSelector('dialog .big-code');
-  const digits = await code?.evaluate((one) => one.textContent ?? '');
-  await helper.page.keyboard.press('Escape');
-  return (digits ?? '').replace(' ', '');
-}
 
 function recorded(): string {
   return join(`${homeFile()}.walks`, 'first walk');
@@ -303,7 +295,7 @@ async function askedUntil(expected: RegExp, ask: () => Promise<void>): Promise<v
 
 step('a phone is paired and started', async () => {
   await goTo(helper, 'Devices', 'Devices');
-  const code = await showCode();
+  const code = await shownCode(helper);
   await phone.go('/pair');
   await phone.sees('Pair this device');
   await phone.type(code);
