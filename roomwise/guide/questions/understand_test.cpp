@@ -108,6 +108,8 @@ TEST(UnderstandTest, QuestionsInEnglish) {
   EXPECT_EQ(english("where is the door"), "where_is door");
   EXPECT_EQ(english("the way to the kitchen"), "take_me_to kitchen");
   EXPECT_EQ(english("the way to the bed"), "way_to bed");
+  EXPECT_EQ(english("which is the way to the bed"), "way_to bed");
+  EXPECT_EQ(english("which is the way to the kitchen"), "take_me_to kitchen");
   EXPECT_EQ(english("repeat that"), "repeat");
   EXPECT_EQ(english("stop"), "end");
 }
