@@ -7,6 +7,10 @@
 // them needs none), each as median, 95 % and most; frames looked at and dropped of each device;
 // processor time a frame; resident memory. With --led each device is led meanwhile, to one goal of
 // the home after the other.
+//
+// With --phone a device is a phone's page: its frames are upright pictures without depth of a
+// camera that nobody calibrated. Then it is printed, too, when a place was first known, and with it
+// the focal length.
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
@@ -19,6 +23,8 @@
 
 #include "resident_memory.h"
 #include "roomwise/evaluation/statistics/quantile.h"
+#include "roomwise/image/codec.h"
+#include "roomwise/image/resample.h"
 #include "roomwise/live/routes/home_routes.h"
 #include "roomwise/network/vision/onnx_classifier.h"
 #include "roomwise/recording/open_recording.h"
@@ -40,8 +46,11 @@ struct Options {
   std::size_t frame_workers = ThreadPool::default_size();
   double rate_hz = 10;
   bool depth = false;
+  bool phone = false;
   bool led = false;
 };
+
+constexpr int kPhoneWidth = 480, kPhoneHeight = 640;  // px
 
 struct EncodedFrame {
   Bytes color, depth;
@@ -49,10 +58,13 @@ struct EncodedFrame {
 
 // What one device lived through.
 struct Experience {
-  std::vector<double> answer_ms;  // from the question to the first prompt
-  std::vector<double> age_ms;     // of the picture that it rests on, at the answer
-  std::vector<double> words_ms;   // from the question until its words are sound
-  std::size_t stale = 0;          // answers that came after they were valid
+  std::vector<double> answer_ms;         // from the question to the first prompt
+  std::vector<double> age_ms;            // of the picture that it rests on, at the answer
+  std::vector<double> words_ms;          // from the question until its words are sound
+  std::vector<double> seen_ms;           // from a frame that is sent until it was looked at
+  std::optional<double> first_place_ms;  // from the first frame until a place was known
+  std::size_t looked_at_before_place = 0;
+  std::size_t stale = 0;  // answers that came after they were valid
   std::size_t unanswered = 0;
   std::size_t sent = 0;
   std::size_t looked_at = 0;
@@ -72,9 +84,10 @@ class BenchDevice {
     service::Hello hello;
     hello.version = service::kProtocolVersion;
     hello.name = "bench";
-    hello.kind = service::DeviceKind::kWearable;
-    hello.camera =
-        service::DeviceCamera{info.camera.width, info.camera.height, info.camera, options.depth};
+    hello.kind = options.phone ? service::DeviceKind::kPhone : service::DeviceKind::kWearable;
+    hello.camera = options.phone ? service::DeviceCamera{kPhoneWidth, kPhoneHeight}
+                                 : service::DeviceCamera{info.camera.width, info.camera.height,
+                                                         info.camera, options.depth};
     need_done(connection_->send_text(write(service::DeviceMessage(hello))));
   }
 
@@ -122,8 +135,11 @@ class BenchDevice {
         lived.dropped_by_computer = arrived->dropped;
       } else if (const auto* welcome = std::get_if<service::Welcome>(&read)) {
         rooms_ = welcome->rooms;
-      } else if (std::get_if<service::Seen>(&read) != nullptr) {
+      } else if (const auto* seen = std::get_if<service::Seen>(&read)) {
         ++lived.looked_at;
+        lived.seen_ms.push_back(now_ms() - seen->t_ms);
+        if (seen->position && !lived.first_place_ms) lived.first_place_ms = now_ms();
+        if (!lived.first_place_ms) ++lived.looked_at_before_place;
         const bool may_be_led = options_.led && !rooms_.empty() && now < end_ms;
         if (may_be_led && !std::exchange(is_led_, true)) {
           ask_to_be_led(kFirstGoal + static_cast<std::int64_t>(led_to_), now);
@@ -170,13 +186,28 @@ class BenchDevice {
   bool is_led_ = false;
 };
 
-std::vector<EncodedFrame> read_frames(recording::FrameSource& source) {
+// What the phone's page would send of the middle of such a picture.
+Bytes upright_picture(const Bytes& color) {
+  constexpr int kQuality = 80;
+  const image::ColorImage whole = need(image::decode_color(color));
+  const double width = whole.height() * (1.0 * kPhoneWidth / kPhoneHeight);
+  const double left = 0.5 * (whole.width() - width);
+  return image::encode_jpeg(image::resize(whole, {left, 0, left + width, 1.0 * whole.height()},
+                                          kPhoneWidth, kPhoneHeight),
+                            kQuality);
+}
+
+std::vector<EncodedFrame> read_frames(recording::FrameSource& source, bool phone) {
   constexpr std::size_t kMax = 400;
   std::vector<EncodedFrame> frames;
   while (frames.size() < kMax) {
     auto frame = need(source.next());
     if (!frame) break;
-    frames.push_back({std::move(frame->encoded_color), std::move(frame->encoded_depth)});
+    if (phone) {
+      frames.push_back({upright_picture(frame->encoded_color), {}});
+    } else {
+      frames.push_back({std::move(frame->encoded_color), std::move(frame->encoded_depth)});
+    }
   }
   return frames;
 }
@@ -196,6 +227,7 @@ void print(const std::vector<Experience>& devices, std::string_view part, double
     all.answer_ms.insert(all.answer_ms.end(), one.answer_ms.begin(), one.answer_ms.end());
     all.age_ms.insert(all.age_ms.end(), one.age_ms.begin(), one.age_ms.end());
     all.words_ms.insert(all.words_ms.end(), one.words_ms.begin(), one.words_ms.end());
+    all.seen_ms.insert(all.seen_ms.end(), one.seen_ms.begin(), one.seen_ms.end());
     all.stale += one.stale;
     all.unanswered += one.unanswered;
     all.sent += one.sent;
@@ -208,15 +240,21 @@ void print(const std::vector<Experience>& devices, std::string_view part, double
   fmt::print(
       "{}: {} questions, answered after {} ms, sound of the words after {} ms, by a picture {} ms "
       "old ({:.1f} % within 400), {} "
-      "stale, {} unanswered; frames sent {}, looked at {} ({}); {:.0f} CPU-ms a look; {:.0f} MB; "
+      "stale, {} unanswered; frames sent {}, looked at {} ({}), each after {} ms; {:.0f} CPU-ms a "
+      "look; {:.0f} MB; "
       "led on {} walks "
       "by {} prompts\n",
       part, all.answer_ms.size(), spread(all.answer_ms), spread(all.words_ms), spread(all.age_ms),
       100.0 * static_cast<double>(within) /
           static_cast<double>(std::max<std::size_t>(1, all.age_ms.size())),
       all.stale, all.unanswered, all.sent, all.looked_at, fmt::join(looked_at, " "),
-      cpu / static_cast<double>(std::max<std::size_t>(1, all.looked_at)), max_mb, all.walks,
-      all.prompts);
+      spread(all.seen_ms), cpu / static_cast<double>(std::max<std::size_t>(1, all.looked_at)),
+      max_mb, all.walks, all.prompts);
+  for (const Experience& one : devices) {
+    if (!one.first_place_ms) continue;
+    fmt::print("  its first place {:.0f} ms after the first frame, {} looked at before\n",
+               *one.first_place_ms, one.looked_at_before_place);
+  }
   std::fflush(stdout);
 }
 
@@ -248,7 +286,7 @@ void run(const Options& options) {
       std::move(server_options), service::Router(live::home_routes(*home)), *access, *home));
 
   const auto source = need(recording::open_recording(options.recording, {}));
-  const std::vector<EncodedFrame> frames = read_frames(*source);
+  const std::vector<EncodedFrame> frames = read_frames(*source, options.phone);
   std::vector<std::unique_ptr<BenchDevice>> devices;
   for (std::size_t i = 0; i < options.devices; ++i) {
     const auto pairing = need(access->pair_here(service::Role::kDevice, fmt::format("bench {}", i),
@@ -294,7 +332,10 @@ int main(int argc, char** argv) {
   app.add_option("--rate", options.rate_hz, "Frames a second")
       ->check(CLI::Range(0.1, 100.0))
       ->capture_default_str();
-  app.add_flag("--depth", options.depth, "Send depth too");
+  auto* const depth = app.add_flag("--depth", options.depth, "Send depth too");
+  app.add_flag("--phone", options.phone,
+               "Send upright pictures without depth, of a camera that nobody calibrated")
+      ->excludes(depth);
   app.add_flag("--led", options.led, "Each device is led from room to room meanwhile");
   app.add_option("--looking-threads", options.frame_workers,
                  "That look at devices' frames; default: as serve, all processors")
