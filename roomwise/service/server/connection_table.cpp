@@ -68,11 +68,11 @@ std::vector<std::shared_ptr<Connection>> ConnectionTable::open_socket(Number num
   opened.socket = true;
   std::vector<Entry*> sockets;
   for (auto& [other, entry] : entries_) {
-    if (entry.socket && !entry.leaving && entry.device == opened.device) sockets.push_back(&entry);
+    if (entry.socket && entry.device == opened.device) sockets.push_back(&entry);
   }
   std::vector<std::shared_ptr<Connection>> gone;
   for (std::size_t i = 0; i + limits_.sockets_per_device < sockets.size(); ++i) {
-    sockets[i]->leaving = true;
+    sockets[i]->socket = false;
     if (auto connection = sockets[i]->connection.lock()) gone.push_back(std::move(connection));
   }
   return gone;

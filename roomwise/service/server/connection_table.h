@@ -70,7 +70,8 @@ class ConnectionTable {
 
   // Whose connection it is; false where the device has too many.
   [[nodiscard]] bool identify(Number number, const DeviceOfHome& device, Role role = Role::kDevice);
-  // That a socket was opened; gives the device's older ones that are too many.
+  // That a socket was opened; gives the device's older ones that are too many. These are among its
+  // connections until they are gone, so that nobody has more by not letting go of them.
   [[nodiscard]] std::vector<std::shared_ptr<Connection>> open_socket(Number number);
 
   [[nodiscard]] std::vector<std::shared_ptr<Connection>> all() const;
@@ -94,7 +95,7 @@ class ConnectionTable {
     std::optional<DeviceOfHome> device;
     Role role = Role::kDevice;  // of the device
     bool socket = false;
-    bool leaving = false;  // was told to go and counts no more
+    bool leaving = false;  // was cut off and counts no more
   };
   using Choice = std::function<bool(const Entry&)>;
   [[nodiscard]] std::size_t count(const Choice& chosen) const;

@@ -59,6 +59,37 @@ TEST(ConnectionTableTest, TheAddressesOfAnIpv6NetworkShareTheirPlacesButAProxyIs
   EXPECT_EQ(table.ask("2001:db8:1:2::9").cut, connections[0]);
 }
 
+TEST(ConnectionTableTest, SocketsThatWereToldToGoCountUntilTheyAreGone) {
+  ConnectionTable table = table_for(/*connections=*/6, /*per_device=*/4);
+  std::vector<std::shared_ptr<IdleConnection>> sockets;
+  std::vector<ConnectionTable::Number> numbers;
+  const auto open = [&](std::int64_t device) {
+    numbers.push_back(table.add("10.0.0.1"));
+    sockets.push_back(std::make_shared<IdleConnection>());
+    table.set(numbers.back(), sockets.back());
+    return table.identify(numbers.back(), {"", device});
+  };
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_TRUE(open(7));
+    const auto gone = table.open_socket(numbers.back());
+    if (i < 2) {
+      EXPECT_TRUE(gone.empty());
+    } else {
+      ASSERT_EQ(gone.size(), 1u);
+      EXPECT_EQ(gone[0], sockets[static_cast<std::size_t>(i) - 2]);
+    }
+  }
+  EXPECT_EQ(table.sockets(), 2u);
+  EXPECT_FALSE(open(7)) << "the two that do not go are its own";
+  table.remove(numbers.back());
+  ASSERT_TRUE(open(8));
+  ASSERT_TRUE(open(8));
+  EXPECT_EQ(table.ask("10.0.0.2").refused, "too many connections");
+  table.remove(numbers.front());
+  EXPECT_EQ(table.ask("10.0.0.2").refused, "");
+  EXPECT_TRUE(open(7));
+}
+
 TEST(ConnectionTableTest, EachSocketIsKnownWithTheRoleInWhichItWasOpened) {
   ConnectionTable table(ConnectionLimits{});
   const DeviceOfHome anna{"flat-1", -1};

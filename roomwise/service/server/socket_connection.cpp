@@ -34,6 +34,11 @@ class Outbox final : public SocketOut, public std::enable_shared_from_this<Outbo
   // For the connection, on its thread. The next message, whose bytes still count until it is sent.
   [[nodiscard]] std::optional<std::string> next();
   void sent(std::size_t bytes);
+  // Whether the client is still spoken with. Thread-safe, as the next.
+  [[nodiscard]] bool is_open() {
+    const std::scoped_lock lock(mutex_);
+    return open_;
+  }
   void shut() {
     const std::scoped_lock lock(mutex_);
     open_ = false;
@@ -68,6 +73,7 @@ class SocketConnection final : public Connection,
         messages_(core_.options.limits.burst_messages, core_.options.limits.rate_messages),
         bytes_(core_.options.limits.burst_bytes, core_.options.limits.rate_bytes),
         hello_timer_(core_.io),
+        end_timer_(core_.io),
         strand_(asio::make_strand(core_.session_threads.get_executor())) {}
 
   void start(BeastRequest request) {
@@ -89,10 +95,15 @@ class SocketConnection final : public Connection,
 
   // ---- on the network thread ----
 
+  // Nothing that waits is sent any more, and the session hears nothing.
   void end(const std::string& reason) override {
-    ending_ = core_.stopping ? websocket::close_code::going_away : websocket::close_code::normal;
-    if (end_reason_.empty()) end_reason_ = reason;
-    flush();
+    out_->shut();
+    end_after_what_waits(reason);
+  }
+
+  void end_after_what_waits(const std::string& reason) {
+    begin_end(core_.stopping ? websocket::close_code::going_away : websocket::close_code::normal,
+              reason);
   }
 
   void cut() override { beast::get_lowest_layer(stream_).close(); }
@@ -128,6 +139,20 @@ class SocketConnection final : public Connection,
   [[nodiscard]] ServerCore& core() const { return core_; }
 
  private:
+  // Whoever does not take what is sent, or does not close, is cut off soon all the same.
+  void begin_end(websocket::close_code code, const std::string& reason) {
+    if (!ending_) {
+      ending_ = code;
+      end_reason_ = reason;
+      end_timer_.expires_after(milliseconds_of(core_.options.limits.handshake_s));
+      end_timer_.async_wait([weak = weak_from_this()](error_code error) {
+        const auto self = weak.lock();
+        if (!error && self) self->cut();
+      });
+    }
+    flush();
+  }
+
   void on_open() {
     open_ = true;
     core_.events.opened_socket();
@@ -137,6 +162,7 @@ class SocketConnection final : public Connection,
     }
     await_hello();
     on_session([self = shared_from_this()] {
+      if (!self->out_->is_open()) return;  // was told to go before it was open
       self->session_ = self->client_.sockets->connect(self->who_, self->out_);
       if (!self->session_) self->out_->close("unavailable");
     });
@@ -187,6 +213,7 @@ class SocketConnection final : public Connection,
         buffer_, kPieceBytes, [self = shared_from_this()](error_code error, std::size_t) {
           const std::size_t most = self->core_.options.limits.message_bytes;
           if (error) return self->on_closed(error);
+          if (self->ending_) return self->read_to_the_end();
           if (self->buffer_.size() > most) {
             return self->refuse("a message that is too large", websocket::close_code::too_big,
                                 fmt::format("a message has at most {} bytes", most));
@@ -202,7 +229,7 @@ class SocketConnection final : public Connection,
     const auto* begin = static_cast<const std::uint8_t*>(buffer_.data().data());
     auto bytes = std::make_shared<Bytes>(begin, begin + buffer_.size());
     on_session([self = shared_from_this(), bytes, is_text = stream_.got_text()] {
-      if (!self->session_) return;
+      if (!self->session_ || !self->out_->is_open()) return;
       if (!is_text) return self->session_->on_message(std::move(*bytes));
       self->session_->on_text({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
     });
@@ -223,12 +250,10 @@ class SocketConnection final : public Connection,
     return true;
   }
 
-  void refuse(const std::string& what, websocket::close_code code, std::string why) {
+  void refuse(const std::string& what, websocket::close_code code, const std::string& why) {
     core_.events.refused(what, peer_, core_.now().steady_s);
-    ending_ = code;
-    end_reason_ = std::move(why);
     out_->shut();
-    flush();
+    begin_end(code, why);
     read_to_the_end();
   }
 
@@ -285,6 +310,7 @@ class SocketConnection final : public Connection,
   RateLimit messages_;
   RateLimit bytes_;
   asio::steady_timer hello_timer_;
+  asio::steady_timer end_timer_;
   asio::strand<asio::thread_pool::executor_type> strand_;
   std::shared_ptr<Outbox> out_;
   std::unique_ptr<SocketSession> session_;  // belongs to the strand
@@ -319,8 +345,9 @@ void Outbox::close(std::string reason) {
   const std::scoped_lock lock(mutex_);
   if (!open_ || !connection) return;
   open_ = false;  // what waits is sent, nothing more is taken
-  asio::post(connection->core().io,
-             [connection, reason = std::move(reason)] { connection->end(reason); });
+  asio::post(connection->core().io, [connection, reason = std::move(reason)] {
+    connection->end_after_what_waits(reason);
+  });
 }
 
 std::optional<std::string> Outbox::next() {

@@ -223,6 +223,28 @@ TEST_F(SocketTest, WhoIsRemovedIsClosed) {
   EXPECT_EQ(refused.error().code, ErrorCode::kRefused);
 }
 
+TEST_F(SocketTest, WhoIsRemovedAndTakesNothingIsCutOffAndHeardNoMore) {
+  home_.options.limits.handshake_s = 2;
+  home_.options.limits.waiting_messages = 100'000;
+  home_.options.limits.waiting_bytes = 100'000'000;
+  home_.start();
+  const auto client = raw();
+  // Far more than what the systems between buffer: the sending stalls.
+  client->send(frame(1, "send 20000"));
+  client->send(frame(1, "all sent"));
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.texts.size() == 2; }));
+  EXPECT_EQ(home_
+                .ask("DELETE", fmt::format("/api/devices/{}", home_.device.who.device),
+                     bearer(home_.helper.token))
+                .status,
+            200);
+  client->send(frame(1, "heard?"));
+  home_.sockets.last_out->send_text("where somebody is");
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.closed == 1; }));
+  EXPECT_THAT(home_.sockets.texts, ElementsAre("send 20000", "all sent"));
+  EXPECT_THAT(client->receive_all(), Not(HasSubstr("where somebody is")));
+}
+
 TEST_F(SocketTest, ADevicesNewestConnectionsStay) {
   const auto first = connect();
   const auto second = connect();
