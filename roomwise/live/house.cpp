@@ -484,10 +484,14 @@ tl::expected<service::Pairing, service::Refusal> House::redeem(
     const std::string& name, const service::PairingAttempt& attempt) {
   const service::Now now = options_.clock();
   // Only who knows a code gets as far as to the home.
-  const auto add = [&](service::Role role,
-                       const std::string& device) -> Expected<service::Pairing> {
+  const auto add = [&](service::Role role, const std::string& device,
+                       std::int64_t maker) -> Expected<std::optional<service::Pairing>> {
+    if (maker < 0) {
+      ROOMWISE_TRY(const auto may, options_.role_of_account(-maker, name));
+      if (may != service::Role::kHelper) return std::nullopt;
+    }
     ROOMWISE_TRY(const auto resident, find(name));
-    return resident->access().pair_here(role, device, now);
+    return resident->access().pair_by_code(role, device, maker, now);
   };
   service::PairingAttempt at_home = attempt;
   at_home.home = name;

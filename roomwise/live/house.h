@@ -50,6 +50,10 @@ struct HouseOptions {
   std::function<Expected<std::optional<service::Identity>>(const service::HttpRequest&,
                                                            const std::string& name)>
       known_to_house = [](const service::HttpRequest&, const std::string&) { return std::nullopt; };
+  // What one of those may do there now, by the number of the account.
+  std::function<Expected<std::optional<service::Role>>(std::int64_t account,
+                                                       const std::string& name)>
+      role_of_account = [](std::int64_t, const std::string&) { return std::nullopt; };
   std::function<void(const HouseAct&)> audit = [](const HouseAct&) {};
   // What answers outside the homes; their handlers see to it who may.
   std::vector<service::Route> front;

@@ -39,6 +39,8 @@ class ServedHouse {
     std::function<Expected<std::optional<service::Identity>>(const service::HttpRequest&,
                                                              const std::string&)>
         known = [](const auto&, const auto&) { return std::nullopt; };
+    std::function<Expected<std::optional<Role>>(std::int64_t, const std::string&)> role_of_account =
+        [](std::int64_t, const auto&) { return std::nullopt; };
     // Called before a home is taken into the house, and before it is opened.
     std::function<void(const std::string& home)> takes_in = [](const auto&) {};
     std::function<void(const std::string& home)> opens = [](const auto&) {};
@@ -75,6 +77,7 @@ class ServedHouse {
       acts_ += fmt::format("{}: {} {} {}\n", act.home, act.who.name, act.what, act.status);
     };
     house_options.known_to_house = options.known;
+    house_options.role_of_account = options.role_of_account;
     house = House::open(folder, finders, std::move(house_options)).value();
     service::ServerOptions server_options;
     server_options.certificate = certificate;
@@ -236,6 +239,44 @@ TEST_F(HouseTest, ACodeAndACookieAreOfOneHome) {
   EXPECT_EQ(paired.status, 200);
   EXPECT_THAT(paired.headers.at("set-cookie"), HasSubstr("Path=/homes/flat-1/;"));
   EXPECT_EQ(serving->ask("GET", "/homes/flat-1").headers.at("location"), "/homes/flat-1/");
+}
+
+TEST_F(HouseTest, ACodeEndsWithTheRightsOfWhoMadeIt) {
+  std::atomic<Role> role_of_anna = Role::kHelper;
+  ServedHouse::Options options;
+  options.known = [](const service::HttpRequest& request, const auto&) {
+    return request.header("cookie") == "roomwise-staff=anna"
+               ? std::optional(service::Identity{-5, "anna", Role::kHelper})
+               : std::nullopt;
+  };
+  options.role_of_account = [&](std::int64_t account, const std::string& home) {
+    return account == 5 && home == "flat-1" ? std::optional<Role>(role_of_anna) : std::nullopt;
+  };
+  const auto serving = serve(options);
+  const std::string helper = bearer(serving->pair("flat-1", Role::kHelper));
+  const std::string staff = "Cookie: roomwise-staff=anna\r\n";
+  const auto make = [&](const std::string& who) {
+    const Answer answer =
+        serving->ask("POST", "/homes/flat-1/api/codes", who, R"({"role": "helper"})");
+    return nlohmann::json::parse(answer.body).value("code", answer.body);
+  };
+  const auto redeem = [&](const std::string& digits) {
+    return serving
+        ->ask("POST", "/homes/flat-1/api/pair", "",
+              nlohmann::json({{"code", digits}, {"name", "a"}}).dump())
+        .status;
+  };
+  EXPECT_EQ(redeem(make(helper)), 200);
+  EXPECT_EQ(redeem(make(staff)), 200);
+  const std::string of_helper = make(helper), of_staff = make(staff);
+  EXPECT_EQ(serving
+                ->ask("DELETE", "/homes/flat-1/api/devices/1",
+                      bearer(serving->pair("flat-1", Role::kHelper)))
+                .status,
+            200);
+  role_of_anna = Role::kDevice;
+  EXPECT_EQ(redeem(of_helper), 401);
+  EXPECT_EQ(redeem(of_staff), 401);
 }
 
 // What somebody without an identity is told who asks to be paired with one home after the other:

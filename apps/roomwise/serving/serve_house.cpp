@@ -203,6 +203,9 @@ class HouseServer {
     house.known_to_house = [this](const service::HttpRequest& request, const std::string& home) {
       return service::staff_in_home(*accounts_, request, home, service::Now::read());
     };
+    house.role_of_account = [this](std::int64_t account, const std::string& home) {
+      return accounts_->role_in_home(account, home);
+    };
     // Staff begin here; a home's own people have its address.
     house.front.push_back({"GET", "/", {}, [](const auto&, const auto&) {
                              service::HttpAnswer moved;

@@ -36,7 +36,7 @@ CREATE TABLE devices (
 Expected<void> make_devices(const fs::path& path) {
   const fs::path part = path.string() + ".part";
   std::error_code ignored;
-  fs::remove(part, ignored);  // of a program that was stopped
+  fs::remove(part, ignored);                       // of a program that was stopped
   ROOMWISE_RETURN_IF_ERROR(write_file(part, ""));  // SQLite opens what is there
   {
     ROOMWISE_TRY(home::Database database,
@@ -106,19 +106,32 @@ Expected<void> AccessRegister::load() {
 
 tl::expected<Pairing, Refusal> AccessRegister::redeem(const PairingAttempt& attempt,
                                                       const Now& now) {
-  return door_->redeem(attempt, now,
-                       [&](Role role, const std::string& name) { return add(role, name, now); });
+  return door_->redeem(attempt, now, [&](Role role, const std::string& name, std::int64_t maker) {
+    return pair_by_code(role, name, maker, now);
+  });
+}
+
+Expected<std::optional<Pairing>> AccessRegister::pair_by_code(Role role, const std::string& name,
+                                                              std::int64_t maker, const Now& now) {
+  const std::scoped_lock lock(mutex_);
+  const bool is_device = maker > 0;
+  if (is_device && std::ranges::none_of(entries_, [&](const Entry& one) {
+        return one.device.who.device == maker && one.device.who.role == Role::kHelper;
+      })) {
+    return std::nullopt;
+  }
+  return add(role, name, now);
 }
 
 Expected<Pairing> AccessRegister::pair_here(Role role, const std::string& name, const Now& now) {
   if (!is_device_name(name)) {
     return fail("a device's name must have 1 to 64 bytes, without control characters");
   }
+  const std::scoped_lock lock(mutex_);
   return add(role, name, now);
 }
 
 Expected<Pairing> AccessRegister::add(Role role, const std::string& name, const Now& now) {
-  const std::scoped_lock lock(mutex_);
   if (entries_.size() >= kMaxDevices) {
     return fail("{} devices are paired already; remove one that is no longer used", kMaxDevices);
   }

@@ -46,8 +46,8 @@ class AccessRegister {
   [[nodiscard]] static bool looks_open(const std::filesystem::path& folder);
 
   // See PairingDoor.
-  [[nodiscard]] Expected<OpenCode> make_code(Role role, const Now& now) {
-    return door_->make_code(role, now);
+  [[nodiscard]] Expected<OpenCode> make_code(Role role, const Now& now, std::int64_t maker = 0) {
+    return door_->make_code(role, now, maker);
   }
   [[nodiscard]] double digits_wait_s(const Now& now) { return door_->digits_wait_s(now); }
 
@@ -57,6 +57,9 @@ class AccessRegister {
 
   // Pairs without a code: for who sits at the computer itself.
   [[nodiscard]] Expected<Pairing> pair_here(Role role, const std::string& name, const Now& now);
+  // Pairs by a code of that maker; nothing where that device is a helper no more.
+  [[nodiscard]] Expected<std::optional<Pairing>> pair_by_code(Role role, const std::string& name,
+                                                              std::int64_t maker, const Now& now);
 
   // Whose token this is. Notes that the device was seen.
   [[nodiscard]] std::optional<Identity> identify(std::string_view token, const Now& now);
@@ -80,6 +83,7 @@ class AccessRegister {
   AccessRegister(home::WriterLock lock, home::Database database, std::shared_ptr<PairingDoor> door)
       : door_(std::move(door)), lock_(std::move(lock)), database_(std::move(database)) {}
   [[nodiscard]] Expected<void> load();
+  // With mutex_ held.
   [[nodiscard]] Expected<Pairing> add(Role role, const std::string& name, const Now& now);
 
   // A proof takes a while to check, during which devices that are paired must not wait: so codes

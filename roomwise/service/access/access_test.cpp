@@ -59,6 +59,19 @@ TEST_F(AccessTest, ACodePairsOnce) {
   EXPECT_EQ(status(open_code), 401);
 }
 
+TEST_F(AccessTest, ACodeEndsWithWhoMadeIt) {
+  const auto maker = redeem(code(Role::kHelper)), other = redeem(code(Role::kHelper));
+  const auto make = [&](const auto& pairing) {
+    return access_->make_code(Role::kHelper, now_, pairing->who.device).value().digits;
+  };
+  EXPECT_EQ(status(make(maker)), 200);
+  const std::string makers = make(maker), others = make(other);
+  EXPECT_EQ(access_->revoke(maker->who.device), true);
+  EXPECT_EQ(status(makers), 401);
+  EXPECT_EQ(status(make(maker)), 401) << "asked for before, made after";
+  EXPECT_EQ(status(others), 200);
+}
+
 TEST_F(AccessTest, ACodeIsValidForFiveMinutes) {
   const std::string first = code();
   now_.steady_s += 299;

@@ -286,6 +286,14 @@ Expected<void> AccountStore::sign_out(std::string_view token) {
   return {};
 }
 
+Expected<std::optional<Role>> AccountStore::role_in_home(std::int64_t account,
+                                                         const std::string& home) {
+  ROOMWISE_TRY(auto homes, homes_of(account));
+  const auto role = homes.find(home);
+  if (role == homes.end()) return std::nullopt;
+  return role->second;
+}
+
 Expected<std::optional<Role>> AccountStore::role_now(std::int64_t account, const std::string& home,
                                                      const Now& now) {
   ROOMWISE_TRY(

@@ -77,6 +77,9 @@ class AccountStore {
   // Whose token that is; nothing where it is nobody's, or over.
   [[nodiscard]] Expected<std::optional<Account>> who(std::string_view token, const Now& now);
   [[nodiscard]] Expected<void> sign_out(std::string_view token);
+  // What that account may do in the home, signed in or not; nothing: not open it.
+  [[nodiscard]] Expected<std::optional<Role>> role_in_home(std::int64_t account,
+                                                           const std::string& home);
   // What that account, which must have a session, may do in the home now; nothing: not open it.
   [[nodiscard]] Expected<std::optional<Role>> role_now(std::int64_t account,
                                                        const std::string& home, const Now& now);

@@ -85,13 +85,16 @@ TEST_P(AccountStoreTest, WhoSignsInMayWhatTheirRolesSayInEachHome) {
   EXPECT_EQ(store_->role_now((*who)->id, "flat-1", kNow).value(), Role::kHelper);
   ASSERT_OK(elsewhere->set_role("anna", "flat-1", Role::kDevice));
   EXPECT_EQ(store_->role_now((*who)->id, "flat-1", kNow).value(), Role::kDevice);
+  EXPECT_EQ(store_->role_in_home((*who)->id, "flat-1").value(), Role::kDevice);
   ASSERT_OK(store_->set_role("anna", "flat-1", std::nullopt));
   EXPECT_FALSE(store_->role_now((*who)->id, "flat-1", kNow).value());
+  EXPECT_FALSE(store_->role_in_home((*who)->id, "flat-1").value());
   EXPECT_FALSE(elsewhere->who(session->token, {0, kNow.unix_s + kStaffSession_s}).value());
   EXPECT_FALSE(store_->who("nonsense", kNow).value());
   ASSERT_OK(elsewhere->sign_out(session->token));
   EXPECT_FALSE(store_->who(session->token, kNow).value());
   EXPECT_FALSE(store_->role_now((*who)->id, "flat-2", kNow).value());
+  EXPECT_EQ(store_->role_in_home((*who)->id, "flat-2").value(), Role::kDevice);
 }
 
 TEST_P(AccountStoreTest, APasswordThatIsChangedOrAnAccountThatIsRemovedEndsSessions) {

@@ -26,6 +26,16 @@ tl::unexpected<Refusal> refuse(int status, std::string message, std::string key 
   return tl::unexpected(Refusal{status, std::move(message), 0, std::move(key)});
 }
 
+bool is_by_secret(const PairingAttempt& attempt) {
+  return attempt.proves_secret || !attempt.secret.empty();
+}
+
+tl::unexpected<Refusal> refuse_code(const PairingAttempt& attempt) {
+  return is_by_secret(attempt)
+             ? refuse(401, "the link is no longer valid; ask for a new one", "link_over")
+             : refuse(401, "the code is wrong or no longer valid; ask for a new one", "code_over");
+}
+
 std::string guesser(const PairingAttempt& attempt) {
   return fmt::format("{} {}", attempt.home, attempt.peer);
 }
@@ -75,12 +85,12 @@ struct PairingDoor::Judged {
   std::string proof;
 };
 
-Expected<OpenCode> PairingDoor::make_code(Role role, const Now& now) {
+Expected<OpenCode> PairingDoor::make_code(Role role, const Now& now, std::int64_t maker) {
   const std::scoped_lock lock(guard_mutex_);
   ROOMWISE_TRY(std::string digits, random_code());
   ROOMWISE_TRY(const Bytes random, random_bytes(16));
   OpenCode code{std::move(digits), base64url(random)};
-  guard_.open({code.digits, code.secret, role, now.steady_s + kCodeValid_s}, now.steady_s);
+  guard_.open({code.digits, code.secret, role, now.steady_s + kCodeValid_s, maker}, now.steady_s);
   return code;
 }
 
@@ -98,13 +108,13 @@ bool PairingDoor::has_codes(const Now& now) {
 // tells nothing.
 Expected<PairingDoor::Judged> PairingDoor::judge(std::vector<Code> codes,
                                                  const PairingAttempt& attempt) const {
-  const bool by_secret = attempt.proves_secret || !attempt.secret.empty();
+  const bool by_secret = is_by_secret(attempt);
   const bool by_proof = by_secret ? attempt.proves_secret : !attempt.proof.empty();
   const std::size_t open = codes.size();
   if (options_.guesses) {
     // Proven like others, and never right: they have no digits, and nobody knows the secret.
     codes.resize(std::max(open, PairingGuard::kMaxCodes),
-                 Code{"none", std::string(kSecretLength, '-'), Role::kDevice, 0});
+                 Code{"none", std::string(kSecretLength, '-'), Role::kDevice, 0, 0});
   }
   Judged judged;
   for (std::size_t i = 0; i < codes.size(); ++i) {
@@ -150,14 +160,15 @@ tl::expected<ProofPlaces::Place, double> PairingDoor::place_for(const std::strin
 tl::expected<Pairing, Refusal> PairingDoor::let_in(const PairingAttempt& attempt, Code code,
                                                    std::string proof, const Now& now,
                                                    const Add& add) {
-  Expected<Pairing> pairing = add(code.role, attempt.name);
+  Expected<std::optional<Pairing>> pairing = add(code.role, attempt.name, code.maker);
   if (!pairing) {
     const std::scoped_lock lock(guard_mutex_);
     guard_.put_back(std::move(code), now.steady_s);
     return refuse(500, pairing.error().message);
   }
-  pairing->proof = std::move(proof);
-  return *std::move(pairing);
+  if (!*pairing) return refuse_code(attempt);
+  (*pairing)->proof = std::move(proof);
+  return **std::move(pairing);
 }
 
 tl::expected<Pairing, Refusal> PairingDoor::redeem_secret(const PairingAttempt& attempt,
@@ -174,7 +185,7 @@ tl::expected<Pairing, Refusal> PairingDoor::redeem_secret(const PairingAttempt& 
     const std::scoped_lock lock(guard_mutex_);
     code = guard_.take(judged->known->secret, now.steady_s);
   }
-  if (!code) return refuse(401, "the link is no longer valid; ask for a new one", "link_over");
+  if (!code) return refuse_code(attempt);
   return let_in(attempt, *std::move(code), std::move(judged->proof), now, add);
 }
 
@@ -206,7 +217,7 @@ tl::expected<PairingDoor::Code, Refusal> PairingDoor::count_digits(const Pairing
     } else {
       guard_.wrong(attempt.peer, now.steady_s);
     }
-    return refuse(401, "the code is wrong or no longer valid; ask for a new one", "code_over");
+    return refuse_code(attempt);
   }
   if (options_.guesses) options_.guesses->right(attempt);
   guard_.right(attempt.peer, code->digits);
@@ -243,8 +254,8 @@ tl::expected<Pairing, Refusal> PairingDoor::redeem(const PairingAttempt& attempt
   if (!is_device_name(attempt.name)) {
     return refuse(400, "'name' must have 1 to 64 bytes, without control characters");
   }
-  const bool by_secret = attempt.proves_secret || !attempt.secret.empty();
-  return by_secret ? redeem_secret(attempt, now, add) : redeem_digits(attempt, now, add);
+  return is_by_secret(attempt) ? redeem_secret(attempt, now, add)
+                               : redeem_digits(attempt, now, add);
 }
 
 }  // namespace roomwise::service

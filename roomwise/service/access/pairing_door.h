@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "roomwise/base/expected.h"
@@ -96,14 +97,17 @@ class PairingDoor {
 
   // A new code: redeemed once, within kCodeValid_s. While guessing is answered by waiting, only its
   // secret is heard.
-  [[nodiscard]] Expected<OpenCode> make_code(Role role, const Now& now);
+  // `maker`: the device, or of staff the number below zero, that asked for it; 0: the computer.
+  [[nodiscard]] Expected<OpenCode> make_code(Role role, const Now& now, std::int64_t maker = 0);
   // How long digits are not heard from anybody.
   [[nodiscard]] double digits_wait_s(const Now& now);
   // Whether a code is open.
   [[nodiscard]] bool has_codes(const Now& now);
 
-  // Whoever knows an open code is let in by `add`.
-  using Add = std::function<Expected<Pairing>(Role role, const std::string& name)>;
+  // Whoever knows an open code is let in by `add`, which gives nothing where its maker may make
+  // none any more: then the code is void.
+  using Add = std::function<Expected<std::optional<Pairing>>(Role role, const std::string& name,
+                                                             std::int64_t maker)>;
   [[nodiscard]] tl::expected<Pairing, Refusal> redeem(const PairingAttempt& attempt, const Now& now,
                                                       const Add& add);
 

@@ -30,9 +30,11 @@ class PairingDoorTest : public ::testing::Test {
   }
   int ask(PairingDoor& door, PairingAttempt attempt) {
     attempt.name = "Anna's phone";
-    const auto pairing = door.redeem(attempt, now_, [](Role role, const std::string& name) {
-      return Expected<Pairing>(Pairing{{1, name, role}, "token", ""});
-    });
+    const auto add = [&](Role role, const std::string& name, std::int64_t maker) {
+      using Added = Expected<std::optional<Pairing>>;
+      return maker == gone_ ? Added(std::nullopt) : Added(Pairing{{1, name, role}, "token", ""});
+    };
+    const auto pairing = door.redeem(attempt, now_, add);
     return pairing ? 200 : pairing.error().status;
   }
   int prove(PairingDoor& door, const std::string& digits, const std::string& peer = "10.0.0.1") {
@@ -46,6 +48,7 @@ class PairingDoorTest : public ::testing::Test {
   }
   OpenCode open_code(PairingDoor& door) { return door.make_code(Role::kDevice, now_).value(); }
 
+  static constexpr std::int64_t gone_ = 66;  // a maker of codes who may make none any more
   const std::shared_ptr<PeerGuesses> guesses_ = std::make_shared<PeerGuesses>();
   Now now_{1000, 1'700'000'000};
 };
@@ -94,12 +97,23 @@ TEST_F(PairingDoorTest, ACodeLetsInOneThoughOthersAskMeanwhile) {
   const auto open = door();
   const OpenCode code = open_code(*open);
   const PairingAttempt attempt{.secret = code.secret, .name = "Anna's phone"};
-  const auto full = open->redeem(attempt, now_, [&](Role, const std::string&) {
+  const auto full = open->redeem(attempt, now_, [&](Role, const std::string&, std::int64_t) {
     EXPECT_EQ(ask(*open, {.secret = code.secret}), 401);
-    return Expected<Pairing>(fail("there are too many devices"));
+    return Expected<std::optional<Pairing>>(fail("there are too many devices"));
   });
   EXPECT_EQ(full.error().status, 500);
   EXPECT_EQ(ask(*open, {.code = code.digits, .peer = "10.0.0.1"}), 200) << "it is open again";
+}
+
+TEST_F(PairingDoorTest, ACodeOfWhoMayMakeNoneAnyMoreIsAnsweredLikeAWrongOne) {
+  for (const bool is_secret : {false, true}) {
+    const auto open = door(is_secret);
+    const auto make = [&] { return open->make_code(Role::kHelper, now_, gone_).value(); };
+    EXPECT_EQ(ask(*open, {.secret = make().secret}), 401);
+    EXPECT_EQ(ask(*open, {.code = make().digits, .peer = "10.0.0.1"}), 401);
+    EXPECT_EQ(prove(*open, make().digits), 401);
+    EXPECT_FALSE(open->has_codes(now_));
+  }
 }
 
 TEST_F(PairingDoorTest, AProofForWhichThereIsNoPlaceIsSentAwayAtOnce) {

@@ -38,6 +38,7 @@ class PairingGuard {
     std::string secret;
     Role role = Role::kDevice;
     double until_s = 0;
+    std::int64_t maker = 0;  // device that it was made for, of staff below 0; 0: the computer
   };
 
   static constexpr std::size_t kMaxCodes = 4;

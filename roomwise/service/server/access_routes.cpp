@@ -93,7 +93,7 @@ HttpAnswer answer_code(Access access, Context context, const HttpRequest& reques
   const auto role = parse_role(text_member(*json, "role"));
   if (!role) return error_answer(400, "'role' must be \"device\" or \"helper\"");
   const Now now = context.clock();
-  const auto code = access.make_code(*role, now);
+  const auto code = access.make_code(*role, now, request.who->device);
   if (!code) return error_answer(500, code.error().message);
   Json answer = {{"code", code->digits},
                  {"valid_s", static_cast<int>(kCodeValid_s)},
