@@ -121,6 +121,16 @@ class House::Resident final : public service::ServedHome {
 
   [[nodiscard]] const std::string& name() const override { return name_; }
   [[nodiscard]] const service::Router& router() const override { return router_; }
+  [[nodiscard]] Expected<std::optional<service::Identity>> identify(
+      const HttpRequest& request, const service::Now& now) override {
+    if (const auto token = service::token_of(request)) {
+      if (auto device = access_->identify(*token, now)) return device;
+    }
+    auto known = house_.options_.known_to_house(request, name_);
+    if (known) return known;
+    house_.say(name_, known.error().message);
+    return fail("the accounts cannot be asked now; try again soon");
+  }
   [[nodiscard]] Expected<service::SocketHandler*> sockets() override {
     ROOMWISE_TRY(LiveHome* const live, open());
     return live;
@@ -363,17 +373,9 @@ std::variant<service::ResolvedRequest, HttpAnswer> House::resolve(const HttpRequ
     say(path->name, resident.error().message);
     return later("this home cannot be opened now; the log of the computer says why", 5);
   }
-  service::ResolvedRequest resolved{*resident, path->base};
-  if (const auto token = service::token_of(request)) {
-    resolved.who = (*resident)->access().identify(*token, now);
-  }
-  if (resolved.who) return resolved;
-  auto known = options_.known_to_house(request, path->name);
-  if (!known) {
-    say(path->name, known.error().message);
-    return later("the accounts cannot be asked now; try again soon", 5);
-  }
-  resolved.who = *std::move(known);
+  auto who = (*resident)->identify(request, now);
+  if (!who) return later(who.error().message, 5);
+  service::ResolvedRequest resolved{*resident, path->base, *std::move(who)};
   if (resolved.who || is_for_everyone((*resident)->router(), request.method, path->rest)) {
     return resolved;
   }

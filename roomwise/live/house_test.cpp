@@ -279,6 +279,30 @@ TEST_F(HouseTest, ACodeEndsWithTheRightsOfWhoMadeIt) {
   EXPECT_EQ(redeem(of_staff), 401);
 }
 
+// They may be removed after a request was found to be theirs, and before the server could end it.
+TEST_F(HouseTest, WhoIsRemovedMeanwhileGetsNoSocketAndNoAnswer) {
+  std::atomic<int> asked = 0;
+  ServedHouse::Options options;
+  options.known = [&](const service::HttpRequest& request, const auto&) {
+    return request.header("cookie") == "roomwise-staff=anna" && ++asked % 2 == 1
+               ? std::optional(service::Identity{-5, "anna", Role::kHelper})
+               : std::nullopt;
+  };
+  const auto serving = serve(options);
+  const std::string staff = "Cookie: roomwise-staff=anna\r\n";
+  EXPECT_EQ(serving->ask("GET", "/homes/flat-1/api/devices", staff).status, 401);
+  EXPECT_EQ(asked, 2);
+  const Answer socket = serving->ask("GET", "/homes/flat-1/api/socket",
+                                     staff +
+                                         "Connection: Upgrade\r\nUpgrade: websocket\r\n"
+                                         "Sec-WebSocket-Version: 13\r\n"
+                                         "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n"
+                                         "Sec-WebSocket-Protocol: roomwise.1\r\n");
+  EXPECT_EQ(socket.status, 401);
+  EXPECT_EQ(asked, 4);
+  EXPECT_THAT(serving->house->open_homes(), IsEmpty());
+}
+
 // What somebody without an identity is told who asks to be paired with one home after the other:
 // of flat-1 a code is open, of flat-2 none, flat-3 nobody has asked for, flat-9 is not there.
 TEST_F(HouseTest, WhoGuessesACodeDoesNotLearnWhichHomesThereAre) {

@@ -263,8 +263,25 @@ class HttpConnection final : public Connection,
                      });
   }
 
+  // Who asks, as it is now: while the body came, or before the table knew of them, they may have
+  // been removed. The answer where that cannot be told.
+  std::optional<HttpAnswer> identify_again() {
+    if (!request_.who) return std::nullopt;
+    auto who = home_->identify(request_, core_.now());
+    if (!who) return unavailable(who.error().message);
+    request_.who = *std::move(who);
+    return std::nullopt;
+  }
+
+  static HttpAnswer unavailable(std::string_view why) {
+    HttpAnswer answer = error_answer(503, why);
+    answer.headers.emplace_back("Retry-After", "1");
+    return answer;
+  }
+
   // On a worker.
   HttpAnswer handle() {
+    if (auto refusal = identify_again()) return *std::move(refusal);
     HttpAnswer answer = home_->router().answer(request_);
     if (request_.who && request_.method != "GET") {
       home_->note_done(request_, *match_.route, answer.status);
@@ -288,21 +305,28 @@ class HttpConnection final : public Connection,
     if (buffer_.size() > 0) {
       return answer_at_once(error_answer(400, "the client must wait until the WebSocket is open"));
     }
-    const auto prepare = [home = home_] { return home->sockets(); };
+    const auto prepare = [this] { return prepare_socket(); };
     if (core_.homes->resolves_at_once()) return on_prepared(prepare());
     on_worker(prepare, [this](auto sockets) { on_prepared(std::move(sockets)); });
   }
 
-  void on_prepared(Expected<SocketHandler*> sockets) {
-    if (!sockets) {
-      HttpAnswer answer = error_answer(503, sockets.error().message);
-      answer.headers.emplace_back("Retry-After", "1");
-      return answer_at_once(std::move(answer));
+  std::variant<SocketHandler*, HttpAnswer> prepare_socket() {
+    if (auto refusal = identify_again()) return *std::move(refusal);
+    auto found = home_->router().find(request_);
+    if (auto* refusal = std::get_if<HttpAnswer>(&found)) return std::move(*refusal);
+    const auto sockets = home_->sockets();
+    if (!sockets) return unavailable(sockets.error().message);
+    return *sockets;
+  }
+
+  void on_prepared(std::variant<SocketHandler*, HttpAnswer> prepared) {
+    if (auto* refusal = std::get_if<HttpAnswer>(&prepared)) {
+      return answer_at_once(std::move(*refusal));
     }
     if (ending_) return shut_down();
     // From here on the stream is another's; this connection ends with this function.
     serve_socket(std::move(entry_), std::move(stream_), parser_->release(),
-                 {std::move(home_), *sockets, *request_.who}, peer_);
+                 {std::move(home_), std::get<SocketHandler*>(prepared), *request_.who}, peer_);
   }
 
   // ---- answering ----

@@ -8,33 +8,38 @@ namespace {
 
 class OnlyHome final : public ServedHome {
  public:
-  OnlyHome(Router router, SocketHandler& sockets) : router_(std::move(router)), sockets_(sockets) {}
+  OnlyHome(Router router, AccessRegister& access, SocketHandler& sockets)
+      : router_(std::move(router)), access_(access), sockets_(sockets) {}
 
   [[nodiscard]] const std::string& name() const override { return name_; }
   [[nodiscard]] const Router& router() const override { return router_; }
+  [[nodiscard]] Expected<std::optional<Identity>> identify(const HttpRequest& request,
+                                                           const Now& now) override {
+    const auto token = token_of(request);
+    if (!token) return std::nullopt;
+    return access_.identify(*token, now);
+  }
   [[nodiscard]] Expected<SocketHandler*> sockets() override { return &sockets_; }
 
  private:
   const std::string name_;
   const Router router_;
+  AccessRegister& access_;
   SocketHandler& sockets_;
 };
 
 class OneAtPort final : public HomesAtPort {
  public:
   OneAtPort(Router router, AccessRegister& access, SocketHandler& sockets)
-      : access_(access), home_(std::make_shared<OnlyHome>(std::move(router), sockets)) {}
+      : home_(std::make_shared<OnlyHome>(std::move(router), access, sockets)) {}
 
   [[nodiscard]] std::variant<ResolvedRequest, HttpAnswer> resolve(const HttpRequest& request,
                                                                   const Now& now) override {
-    ResolvedRequest resolved{home_};
-    if (const auto token = token_of(request)) resolved.who = access_.identify(*token, now);
-    return resolved;
+    return ResolvedRequest{home_, "", home_->identify(request, now).value()};
   }
   [[nodiscard]] bool resolves_at_once() const override { return true; }
 
  private:
-  AccessRegister& access_;
   std::shared_ptr<OnlyHome> home_;
 };
 

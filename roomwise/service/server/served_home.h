@@ -21,6 +21,12 @@ class ServedHome {
   [[nodiscard]] virtual const std::string& name() const = 0;
   // Who may what, and what answers.
   [[nodiscard]] virtual const Router& router() const = 0;
+  // Who that request is from now: nobody where there is no such device any more, say. Asked again
+  // right before what the request is for is done. On any thread.
+  [[nodiscard]] virtual Expected<std::optional<Identity>> identify(const HttpRequest& /*request*/,
+                                                                   const Now& /*now*/) {
+    return std::nullopt;  // nobody is known there
+  }
   // Where its WebSockets go. Called before each is opened, on a worker: it may take a while, and
   // fails in words for people.
   [[nodiscard]] virtual Expected<SocketHandler*> sockets() = 0;

@@ -177,6 +177,37 @@ TEST(ServerTest, LimitsWhatIsSent) {
   EXPECT_EQ(careful.receive().status, 200);
 }
 
+TEST(ServerTest, WhoIsRemovedEndsNoRequestThatTheyBegan) {
+  std::atomic<int> done = 0;
+  Route change = route("POST", "/api/change", Role::kDevice);
+  change.handler = [&](const HttpRequest&, const Placeholders&) {
+    ++done;
+    return text_answer("done");
+  };
+  TestServer home({change});
+  const auto begin = [&](RawClient& client, const std::string& token) {
+    ASSERT_TRUE(client.shake_hands());
+    client.send(
+        "POST /api/change HTTP/1.1\r\nHost: a\r\nContent-Length: 2\r\nExpect: "
+        "100-continue\r\n" +
+        bearer(token) + "\r\n");
+    EXPECT_EQ(client.receive().status, 100) << "the server knows who asks";
+    client.send("{");
+  };
+  RawClient removed(home.port()), stays(home.port());
+  begin(removed, home.device.token);
+  begin(stays, home.helper.token);
+  EXPECT_EQ(home.ask("DELETE", fmt::format("/api/devices/{}", home.device.who.device),
+                     bearer(home.helper.token))
+                .status,
+            200);
+  removed.send("}");
+  EXPECT_EQ(removed.receive().status, 401);
+  EXPECT_EQ(done, 0);
+  stays.send("}");
+  EXPECT_EQ(stays.receive().status, 200);
+}
+
 TEST(ServerTest, SurvivesWhatIsNoRequest) {
   TestServer home({route("GET", "/health", std::nullopt)});
   for (const std::string& bytes :
@@ -281,9 +312,14 @@ class NotingHomes final : public HomesAtPort {
    public:
     [[nodiscard]] const std::string& name() const override { return name_; }
     [[nodiscard]] const Router& router() const override { return router_; }
+    [[nodiscard]] Expected<std::optional<Identity>> identify(const HttpRequest&,
+                                                             const Now&) override {
+      return kAnna;
+    }
     [[nodiscard]] Expected<SocketHandler*> sockets() override {
       throw std::runtime_error("the secret path /home/anna");
     }
+    inline static const Identity kAnna{1, "Anna's phone", Role::kDevice};
 
    private:
     const std::string name_ = "flat-1";
@@ -296,8 +332,7 @@ class NotingHomes final : public HomesAtPort {
     if (request.header("authorization") == "Bearer broken") {
       throw std::runtime_error("the secret path /home/anna");
     }
-    return ResolvedRequest{std::make_shared<Home>(), "",
-                           Identity{1, "Anna's phone", Role::kDevice}};
+    return ResolvedRequest{std::make_shared<Home>(), "", Home::kAnna};
   }
   std::atomic<int> requests = 0;
 };
