@@ -11,7 +11,16 @@ struct BackupOptions {
   std::filesystem::path home;
   std::filesystem::path folder;
   bool without_walks = false;
+  bool without_devices = false;
 };
+
+std::string words_of(const live::Restored& restored) {
+  if (restored.devices == 0) return "No device is paired with it";
+  return fmt::format(
+      "Paired with it: {} devices, as when the backup was made; remove who was removed since "
+      "(--without-devices leaves all out)",
+      restored.devices);
+}
 
 Expected<Answer> back_up(const BackupOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
@@ -26,13 +35,17 @@ Expected<Answer> back_up(const BackupOptions& options, Context& context) {
 }
 
 Expected<Answer> restore(const BackupOptions& options, Context&) {
-  ROOMWISE_TRY(const live::Backup backup, live::restore(options.folder, options.home));
-  return Answer{fmt::format("{}: is back, {} files, {:.1f} MB\n", options.home.string(),
-                            backup.files, static_cast<double>(backup.bytes) / 1e6),
-                {{"home", options.home.string()},
-                 {"backup", options.folder.string()},
-                 {"files", backup.files},
-                 {"bytes", backup.bytes}}};
+  ROOMWISE_TRY(
+      const live::Restored backup,
+      live::restore(options.folder, options.home, {.with_devices = !options.without_devices}));
+  return Answer{
+      fmt::format("{}: is back, {} files, {:.1f} MB\n{}\n", options.home.string(), backup.files,
+                  static_cast<double>(backup.bytes) / 1e6, words_of(backup)),
+      {{"home", options.home.string()},
+       {"backup", options.folder.string()},
+       {"devices", backup.devices},
+       {"files", backup.files},
+       {"bytes", backup.bytes}}};
 }
 
 }  // namespace
@@ -53,6 +66,9 @@ void add_backup_commands(CLI::App& app, Context& context) {
       "roomwise restore my.home-sunday --home my.home", restore);
   command->add_option("FOLDER", options.folder, "Folder that roomwise backup made")->required();
   command->add_option("--home", options.home, "Home file to make")->required();
+  command->add_flag(
+      "--without-devices", options.without_devices,
+      "Without the devices that were paired when the backup was made: pair each anew");
 }
 
 }  // namespace roomwise::app

@@ -14,6 +14,7 @@
 #include "roomwise/base/put_in_place.h"
 #include "roomwise/home/writer_lock.h"
 #include "roomwise/live/recording/remove_folder.h"
+#include "roomwise/service/access/access.h"
 #include "roomwise/service/credentials/private_folder.h"
 
 namespace roomwise::live {
@@ -89,6 +90,20 @@ Expected<void> copy_beside(const fs::path& from, const fs::path& to, bool with_w
   return {};
 }
 
+// How many devices are paired with the home, which nobody has open; without them none is after it.
+// Their numbers are given to no other device.
+Expected<std::size_t> settle_devices(const fs::path& home, bool with_devices) {
+  const fs::path folder = service::access_folder(home);
+  if (!service::AccessRegister::exists(folder)) return 0;
+  ROOMWISE_TRY(const auto access, service::AccessRegister::open(folder, std::string()));
+  if (!with_devices) {
+    for (const service::PairedDevice& device : access->devices()) {
+      ROOMWISE_RETURN_IF_ERROR(access->revoke(device.who.device));
+    }
+  }
+  return access->devices().size();
+}
+
 // The one home that lies in a folder.
 Expected<fs::path> home_in(const fs::path& folder) {
   std::vector<fs::path> databases;
@@ -145,12 +160,13 @@ Expected<Backup> back_up(const home::Home& home, const fs::path& folder,
   return Unexpected(copied.error());
 }
 
-Expected<Backup> restore(const fs::path& folder, const fs::path& home) {
+Expected<Restored> restore(const fs::path& folder, const fs::path& home,
+                           const RestoreOptions& options) {
   ROOMWISE_TRY(const fs::path source, home_in(folder));
   ROOMWISE_TRY(const home::WriterLock lock, home::WriterLock::take(home));
   ROOMWISE_RETURN_IF_ERROR(check_free(home));
   ROOMWISE_TRY(const home::Home backed_up, home::Home::open_read_only(source));
-  Backup backup;
+  Restored backup;
   const fs::path partial = home.string() + ".restored";
   // The home comes last: until it is there, nothing looks at what lies beside it.
   const auto remove_partial = [&]() -> Expected<void> {
@@ -162,6 +178,7 @@ Expected<Backup> restore(const fs::path& folder, const fs::path& home) {
     ROOMWISE_RETURN_IF_ERROR(remove_partial());  // of a restoring that was stopped
     ROOMWISE_RETURN_IF_ERROR(copy_home(backed_up, partial, backup));
     ROOMWISE_RETURN_IF_ERROR(copy_beside(source, partial, true, backup));
+    ROOMWISE_TRY(backup.devices, settle_devices(partial, options.with_devices));
     for (const std::string_view ending : kBeside) {
       if (fs::exists(beside(partial, ending)))
         ROOMWISE_RETURN_IF_ERROR(put_in_place(beside(partial, ending), beside(home, ending)));

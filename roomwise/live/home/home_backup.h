@@ -23,9 +23,19 @@ struct Backup {
 [[nodiscard]] Expected<Backup> back_up(const home::Home& home, const std::filesystem::path& folder,
                                        const BackupOptions& options = {});
 
+struct RestoreOptions {
+  // Those that were paired when the backup was made, also who was removed since.
+  bool with_devices = true;
+};
+
+struct Restored : Backup {
+  std::size_t devices = 0;  // that are paired
+};
+
 // The way back, to a home of any name. Fails where something of that name is there, and where the
 // folder does not hold one whole home.
-[[nodiscard]] Expected<Backup> restore(const std::filesystem::path& folder,
-                                       const std::filesystem::path& home);
+[[nodiscard]] Expected<Restored> restore(const std::filesystem::path& folder,
+                                         const std::filesystem::path& home,
+                                         const RestoreOptions& options = {});
 
 }  // namespace roomwise::live

@@ -6,6 +6,7 @@
 
 #include "roomwise/home/testing/sample_home.h"
 #include "roomwise/home/writer_lock.h"
+#include "roomwise/service/access/access.h"
 
 namespace roomwise::live {
 namespace {
@@ -51,6 +52,30 @@ TEST_F(HomeBackup, ComesBackUnderAnotherName) {
   EXPECT_EQ(read_text_file(folder_ / "back.home.walks" / "monday" / "rgb" / "1.jpg").value(),
             "walk");
   EXPECT_FALSE(fs::exists(folder_ / "back.home.uploads"));
+}
+
+TEST_F(HomeBackup, TellsOfDevicesThatArePairedAgainAndLeavesThemOutWhereAsked) {
+  const auto open = [&](const char* home) {
+    return service::AccessRegister::open(service::access_folder(folder_ / home), "").value();
+  };
+  fs::permissions(folder_ / "a.home.access", fs::perms::owner_all);
+  std::string token;
+  {
+    const auto access = open("a.home");
+    const auto lost = access->pair_here(service::Role::kHelper, "lost phone", {}).value();
+    token = lost.token;
+    ASSERT_OK(access->pair_here(service::Role::kDevice, "cap", {}));
+    ASSERT_OK(make(home_, backup_));
+    EXPECT_EQ(access->revoke(lost.who.device), true);
+  }
+  EXPECT_EQ(restore(backup_, folder_ / "with.home")->devices, 2U);
+  EXPECT_TRUE(open("with.home")->identify(token, {}));
+  EXPECT_EQ(restore(backup_, folder_ / "without.home", {.with_devices = false})->devices, 0U);
+  const auto without = open("without.home");
+  EXPECT_FALSE(without->identify(token, {}));
+  EXPECT_EQ(without->pair_here(service::Role::kDevice, "new", {})->who.device, 3)
+      << "what is another device's stays its own";
+  EXPECT_EQ(read_text_file(folder_ / "without.home.access" / "key.pem").value(), "secret");
 }
 
 TEST_F(HomeBackup, IsItsOwnersAlone) {

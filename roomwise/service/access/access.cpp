@@ -57,6 +57,11 @@ Expected<std::unique_ptr<AccessRegister>> AccessRegister::open(const fs::path& f
   return open(folder, std::make_shared<PairingDoor>(PairingDoorOptions{std::move(fingerprint)}));
 }
 
+bool AccessRegister::exists(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::exists(folder / kDevicesFile, ignored);
+}
+
 bool AccessRegister::looks_open(const fs::path& folder) {
   std::error_code ignored;
   return fs::exists(folder / (std::string(kDevicesFile) + "-lock"), ignored);

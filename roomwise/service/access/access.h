@@ -42,6 +42,8 @@ class AccessRegister {
   // The same with codes and guesses that outlive it.
   [[nodiscard]] static Expected<std::unique_ptr<AccessRegister>> open(
       const std::filesystem::path& folder, std::shared_ptr<PairingDoor> door);
+  // Whether there is one.
+  [[nodiscard]] static bool exists(const std::filesystem::path& folder);
   // Whether some process has it open, by a look that touches nothing: perhaps one that was killed.
   [[nodiscard]] static bool looks_open(const std::filesystem::path& folder);
 
