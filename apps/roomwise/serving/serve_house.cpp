@@ -274,8 +274,9 @@ class HouseServer {
     server.proxies = {options_.proxies.begin(), options_.proxies.end()};
     server.limits.connections = kConnectionsOfAHome * (1 + options_.open_homes);
     server.limits.waiting_requests = 256;
-    // Some wait for homes that are being opened; others must not wait for these.
-    server.workers = std::max<std::size_t>(8, context_.threads);
+    // Some wait for homes that are being opened, or for a password's turn; others must not wait for
+    // these.
+    server.workers = std::max<std::size_t>(8, context_.threads) + service::kPasswordPlaces;
     server.session_threads = std::max<std::size_t>(2, context_.threads);
     server.pages = options_.pages.empty() ? brought_pages() : options_.pages;
     server.log = [this](std::string_view line) { log_.write(line); };

@@ -187,18 +187,16 @@ Expected<std::vector<Account>> AccountStore::accounts() {
 // ---- staff ----
 
 std::int64_t AccountStore::begin_try(const std::string& peer, double now_s) {
-  // Each holds a worker meanwhile, and others need these.
-  constexpr std::size_t kTrying = 3;  // of which two wait
   const std::scoped_lock lock(guard_mutex_);
-  if (trying_ >= kTrying) return 1;
+  if (trying_.size() >= kPasswordPlaces || trying_.contains(peer)) return 1;
   if (!tries_.take(peer, now_s)) return static_cast<std::int64_t>(std::ceil(1 / kTriesEachSecond));
-  ++trying_;
+  trying_.insert(peer);
   return 0;
 }
 
-void AccountStore::end_try() {
+void AccountStore::end_try(const std::string& peer) {
   const std::scoped_lock lock(guard_mutex_);
-  --trying_;
+  trying_.erase(peer);
 }
 
 tl::expected<StaffSession, Refusal> AccountStore::sign_in(const std::string& name,
@@ -210,7 +208,7 @@ tl::expected<StaffSession, Refusal> AccountStore::sign_in(const std::string& nam
         Refusal{429, fmt::format("too many passwords are tried; wait {} s", wait_s), wait_s});
   }
   auto session = try_password(name, password, counted, now);
-  end_try();
+  end_try(counted);
   return session;
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,6 +51,9 @@ inline constexpr std::int64_t kStaffSession_s = 12 * 3600;
 // guessing takes a small part of a processor.
 inline constexpr double kTriesAtOnce = 20;
 inline constexpr double kTriesEachSecond = 0.5;
+// Passwords that are tried at once, of which all but one wait; an address has one of them, so that
+// few addresses do not keep others out. Each holds a thread that answers requests.
+inline constexpr std::size_t kPasswordPlaces = 16;
 
 // The accounts of an organisation's staff, and the log of who did what. Passwords are kept as
 // Argon2id of libsodium. Several processes may share one database. Thread-safe.
@@ -94,7 +98,7 @@ class AccountStore {
   explicit AccountStore(std::unique_ptr<SqlLink> link) : link_(std::move(link)) {}
   // Whether a password from there may be tried now, and if not, for how long.
   [[nodiscard]] std::int64_t begin_try(const std::string& peer, double now_s);
-  void end_try();
+  void end_try(const std::string& peer);
   [[nodiscard]] tl::expected<StaffSession, Refusal> try_password(const std::string& name,
                                                                  const std::string& password,
                                                                  const std::string& peer,
@@ -107,7 +111,7 @@ class AccountStore {
   std::mutex guard_mutex_;
   PairingGuard guard_;                               // of wrong passwords, by name and address
   RateLimit tries_{kTriesAtOnce, kTriesEachSecond};  // wrong ones by address, whatever the name
-  std::size_t trying_ = 0;                           // at work or waiting for hashing_mutex_
+  std::set<std::string> trying_;                     // addresses; at work or waiting for their turn
   std::mutex hashing_mutex_;                         // each takes 64 MiB: one after the other
 };
 

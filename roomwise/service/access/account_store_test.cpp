@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <atomic>
+#include <condition_variable>
 #include <future>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -178,29 +179,52 @@ class HeldLink final : public SqlLink {
   const std::shared_future<void> let_;
 };
 
-TEST(AccountStoreAloneTest, WhereTwoWaitToBeHeardOneMoreIsSentAway) {
-  std::promise<void> let;
-  const auto store = AccountStore::open(std::make_unique<HeldLink>(let.get_future().share()));
-  ASSERT_OK(store);
-  std::promise<Refusal> sent_away;
-  std::atomic<int> wrong = 0;
-  std::vector<std::jthread> many;
-  for (int one = 0; one < 4; ++one) {
-    many.emplace_back([&, peer = fmt::format("10.0.0.{}", one)] {
-      const auto refusal = (*store)->sign_in("anna", kAnnasPassword, peer, kNow).error();
-      if (refusal.status == 401) {
-        ++wrong;
-      } else {
-        sent_away.set_value(refusal);
-      }
+class AccountStoreAloneTest : public ::testing::Test {
+ protected:
+  // Somebody tries a wrong password, as long as the database does not answer.
+  void begin(const std::string& peer) {
+    trying_.emplace_back([this, peer] {
+      const auto refusal = store_->sign_in("anna", kAnnasPassword, peer, kNow).error();
+      const std::scoped_lock lock(mutex_);
+      refusals_.push_back(refusal);
+      came_.notify_all();
     });
   }
-  const Refusal refusal = sent_away.get_future().get();
-  EXPECT_EQ(refusal.status, 429);
-  EXPECT_EQ(refusal.wait_s, 1);
-  let.set_value();
-  many.clear();
-  EXPECT_EQ(wrong, 3);
+  // The refusals once there are so many, or after ten seconds.
+  std::vector<Refusal> refusals(std::size_t count) {
+    std::unique_lock lock(mutex_);
+    came_.wait_for(lock, std::chrono::seconds(10), [&] { return refusals_.size() >= count; });
+    return refusals_;
+  }
+
+  std::promise<void> let_;
+  std::unique_ptr<AccountStore> store_ =
+      AccountStore::open(std::make_unique<HeldLink>(let_.get_future().share())).value();
+  std::mutex mutex_;
+  std::condition_variable came_;
+  std::vector<Refusal> refusals_;
+  std::vector<std::jthread> trying_;
+};
+
+TEST_F(AccountStoreAloneTest, WhereAllPlacesAreTakenOneMoreIsSentAway) {
+  for (std::size_t one = 0; one <= kPasswordPlaces; ++one) begin(fmt::format("10.0.0.{}", one));
+  const auto sent_away = refusals(1);
+  let_.set_value();
+  ASSERT_EQ(sent_away.size(), 1u);
+  EXPECT_EQ(sent_away[0].status, 429);
+  EXPECT_EQ(sent_away[0].wait_s, 1);
+  trying_.clear();
+  EXPECT_EQ(std::ranges::count(refusals_, 429, &Refusal::status), 1);
+}
+
+TEST_F(AccountStoreAloneTest, AnAddressHasOnePlace) {
+  for (int one = 0; one < 20; ++one) begin("2001:db8:1:2::" + std::to_string(one));
+  const auto sent_away = refusals(19);
+  EXPECT_EQ(std::ranges::count(sent_away, 429, &Refusal::status), 19);
+  begin("10.0.0.2");
+  let_.set_value();
+  trying_.clear();
+  EXPECT_EQ(std::ranges::count(refusals_, 401, &Refusal::status), 2) << "its own and the other's";
 }
 
 TEST_P(AccountStoreTest, TheAddressesOfAnIpv6NetworkGuessPasswordsTogether) {
