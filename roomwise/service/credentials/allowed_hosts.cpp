@@ -27,9 +27,13 @@ std::string_view without_port(std::string_view host) {
 
 bool is_address(std::string_view text) {
   std::array<unsigned char, 16> ignored{};
-  const std::string address(text.substr(0, std::min(text.find('%'), text.size())));
-  return ::inet_pton(AF_INET, address.c_str(), ignored.data()) == 1 ||
-         ::inet_pton(AF_INET6, address.c_str(), ignored.data()) == 1;
+  const std::string address(without_zone(text));
+  if (::inet_pton(AF_INET6, address.c_str(), ignored.data()) == 1) return true;
+  return address == text && ::inet_pton(AF_INET, address.c_str(), ignored.data()) == 1;
+}
+
+std::string_view without_zone(std::string_view address) {
+  return address.substr(0, std::min(address.find('%'), address.size()));
 }
 
 bool is_host_name(std::string_view text) {

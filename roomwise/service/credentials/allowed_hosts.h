@@ -25,8 +25,10 @@ class AllowedHosts {
   std::set<std::string> names_;  // in small letters, without the root's full stop
 };
 
-// Whether it is an IPv4 or IPv6 address, without brackets.
+// Whether it is an IPv4 or IPv6 address, without brackets; one of IPv6 may have a zone,
+// "fe80::1%eth0", which may be any text.
 [[nodiscard]] bool is_address(std::string_view text);
+[[nodiscard]] std::string_view without_zone(std::string_view address);
 // A host name or an address, without a port: letters, digits, '.', '-', '_' and ':'.
 [[nodiscard]] bool is_host_name(std::string_view text);
 

@@ -13,8 +13,9 @@ TEST(AllowedHostsTest, NamesAreThoseOfTheListAndAddressesAlwaysAreAllowed) {
                            "127.0.0.1:8443", "192.168.7.9", "[::1]:8443", "[fe80::1%25eth0]"}) {
     EXPECT_TRUE(hosts.allows(ours)) << ours;
   }
-  for (const char* foreign : {"", "evil.example", "flat.local.evil.example:8443", "xflat.local",
-                              "local", "[", "1.2.3", "127.0.0.1.evil.example", "[evil.example]"}) {
+  for (const char* foreign :
+       {"", "evil.example", "flat.local.evil.example:8443", "xflat.local", "local", "[", "1.2.3",
+        "127.0.0.1.evil.example", "[evil.example]", "127.0.0.1%1"}) {
     EXPECT_FALSE(hosts.allows(foreign)) << foreign;
   }
 }

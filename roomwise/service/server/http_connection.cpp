@@ -135,12 +135,13 @@ class HttpConnection final : public Connection,
     find_home();
   }
 
-  // A proxy puts the address of who asks last.
+  // A proxy puts the address of who asks last. A zone is of the proxy's networks, and may be any
+  // text.
   void take_peer_from_proxy() {
     const std::string_view all = request_.header("x-forwarded-for");
     std::string_view last = all.substr(all.rfind(',') + 1);
     last.remove_prefix(std::min(last.find_first_not_of(' '), last.size()));
-    peer_ = is_address(last) ? std::string(last) : connected_;
+    peer_ = is_address(last) ? std::string(without_zone(last)) : connected_;
     request_.peer = peer_;
   }
 

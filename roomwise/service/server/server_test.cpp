@@ -149,6 +149,26 @@ TEST(ServerTest, StrangersMustCallTheComputerByANameOfItsOwn) {
   EXPECT_EQ(status("flat.example", bearer(home.device.token)), 200);
 }
 
+TEST(ServerTest, OfWhatAProxySaysOnlyTheAddressCounts) {
+  Route peer = route("GET", "/peer", std::nullopt);
+  peer.handler = [](const HttpRequest& request, const Placeholders&) {
+    return text_answer(request.peer);
+  };
+  TestServer home({peer});
+  home.options.proxies = {"127.0.0.1"};
+  home.start();
+  const auto seen = [&](const std::string& forwarded) {
+    return home.ask("GET", "/peer", "X-Forwarded-For: " + forwarded + "\r\n").body;
+  };
+  EXPECT_EQ(seen("10.0.0.5"), "10.0.0.5");
+  EXPECT_EQ(seen("10.0.0.5, 2001:db8::1"), "2001:db8::1");
+  EXPECT_EQ(seen("fe80::1%eth0"), "fe80::1");
+  EXPECT_EQ(seen("fe80::1%: device 9 (anna) connected"), "fe80::1");
+  for (const char* none : {"10.0.0.5%1", "10.0.0.5%device 9", "anna", "", "%", "10.0.0.5:80"}) {
+    EXPECT_EQ(seen(none), "127.0.0.1") << none;
+  }
+}
+
 TEST(ServerTest, LimitsWhatIsSent) {
   TestServer home(
       {route("POST", "/api/test", Role::kHelper, 1000), route("POST", "/open", std::nullopt, 10)});
