@@ -149,14 +149,10 @@ void put_float(float value, Bytes& bytes) {
 
 }  // namespace
 
-Json home_json(const HomeView& view) {
-  Json json{{"name", view.name},
-            {"learned", nullptr},
-            {"rooms", Json::array()},
-            {"doorways", Json::array()},
-            {"things", Json::array()},
-            {"recordings", Json::array()},
-            {"room_types", view.room_types}};
+Json home_json(const HomeView& view, service::Role role) {
+  Json json{{"name", view.name},       {"learned", nullptr},
+            {"rooms", Json::array()},  {"doorways", Json::array()},
+            {"things", Json::array()}, {"room_types", view.room_types}};
   if (!view.learned_network.empty()) {
     const Json report = Json::parse(view.learned_report, nullptr, false);
     std::size_t pictures = 0;
@@ -177,13 +173,15 @@ Json home_json(const HomeView& view) {
     }
   }
   for (const guide::KnownThing& thing : view.things) json["things"].push_back(thing_json(thing));
+  add_storeys(view, json);
+  if (role != service::Role::kHelper) return json;
+  json["recordings"] = Json::array();
   const auto taken = view.walks_taken_away();
   for (const ViewedWalk& walk : view.walks) {
     if (!taken.contains(walk.stored.id)) json["recordings"].push_back(walk_json(walk, view));
   }
   json["to_erase"] = to_erase_json(view);
   json["changes"] = changes_json(view);
-  add_storeys(view, json);
   return json;
 }
 

@@ -9,7 +9,8 @@ namespace roomwise::live {
 
 using Json = nlohmann::json;
 
-[[nodiscard]] Json home_json(const HomeView& view);       // GET /api/home
+// GET /api/home. Devices are not told of walks, of what changed and of what is to be erased.
+[[nodiscard]] Json home_json(const HomeView& view, service::Role role);
 [[nodiscard]] Json keyframes_json(const HomeView& view);  // GET /api/map/keyframes
 [[nodiscard]] Json plan_json(const HomeView& view);       // GET /api/map/plan
 [[nodiscard]] Json edits_json(const HomeView& view);      // GET /api/edits

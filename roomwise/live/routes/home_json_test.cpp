@@ -9,10 +9,11 @@ namespace {
 
 TEST(HomeJson, TellsWhatTheNewestWalkChanged) {
   HomeView view;
-  EXPECT_TRUE(home_json(view).at("changes").is_null()) << "of one walk nothing can have changed";
+  EXPECT_TRUE(home_json(view, service::Role::kHelper).at("changes").is_null())
+      << "of one walk nothing can have changed";
   view.changes = ViewedChanges{
       2, 1, {{"moved", "chair", "kitchen", 1.5}, {"gone", "vase", std::nullopt, std::nullopt}}};
-  const Json changes = home_json(view).at("changes");
+  const Json changes = home_json(view, service::Role::kHelper).at("changes");
   EXPECT_EQ(changes.at("walk"), 2);
   EXPECT_EQ(changes.at("since"), 1);
   ASSERT_EQ(changes.at("things").size(), 2U);
@@ -20,6 +21,20 @@ TEST(HomeJson, TellsWhatTheNewestWalkChanged) {
   EXPECT_EQ(changes.at("things")[0].at("moved_m"), 1.5);
   EXPECT_EQ(changes.at("things")[1].at("what"), "gone");
   EXPECT_TRUE(changes.at("things")[1].at("room").is_null());
+}
+
+TEST(HomeJson, DevicesAreNotToldWhatIsTheHelpersAffair) {
+  HomeView view;
+  view.changes = ViewedChanges{2, 1, {{"moved", "chair", "kitchen", 1.5}}};
+  view.walks.emplace_back();
+  view.owes_erasing = true;
+  const Json of_device = home_json(view, service::Role::kDevice);
+  const Json of_helper = home_json(view, service::Role::kHelper);
+  for (const char* member : {"recordings", "to_erase", "changes"}) {
+    EXPECT_FALSE(of_device.contains(member)) << member;
+    EXPECT_TRUE(of_helper.contains(member)) << member;
+  }
+  EXPECT_EQ(of_device.at("rooms"), of_helper.at("rooms"));
 }
 
 TEST(HomeJson, ThePlanIsTurnedAsWasWorkedOutWhenTheMapWasMadeReady) {

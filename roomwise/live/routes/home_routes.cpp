@@ -114,8 +114,9 @@ auto cloud_of(geometry::PointCloud MapClouds::*cloud) {
 std::vector<HomeRoute> looking_routes() {
   return {{"GET", "/api/home", Role::kDevice,
            [](LiveHome& home, const auto& request, const auto&) {
-             Json json = home_json(*home.view());
-             json["walk_waits"] = request.who->role == Role::kHelper && home.walk_waits();
+             const Role role = request.who->role;
+             Json json = home_json(*home.view(), role);
+             if (role == Role::kHelper) json["walk_waits"] = home.walk_waits();
              return json_answer(json);
            }},
           {"GET", "/api/map/keyframes", Role::kHelper,
