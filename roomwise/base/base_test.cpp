@@ -16,6 +16,7 @@
 #include "roomwise/base/encodings.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/in_context.h"
+#include "roomwise/base/name.h"
 #include "roomwise/base/progress.h"
 #include "roomwise/base/protobuf_reader.h"
 #include "roomwise/base/random.h"
@@ -30,6 +31,23 @@
 
 namespace roomwise {
 namespace {
+
+TEST(Name, IsSeenAndHasALetterOrADigit) {
+  for (const char* name :
+       {"Anna's phone", "7", "Küche", "e\u0301tage", "台所", "кухня", "٣", "🏠 1"}) {
+    EXPECT_TRUE(is_name(name)) << name;
+  }
+  for (const char* none : {"", "   ", "…", "🏠", "\u0301", "a\nb", "a\x7F", "a\u0085b",
+                           "a\u009b31mb", "\u200b", "a\u200b", "\u202eevil", "a\u2066b",
+                           "\ufeff"
+                           "a",
+                           "a\u2028b", "a\u2029b", "a\xFF", "a\xC3"}) {
+    EXPECT_FALSE(is_name(none)) << none;
+  }
+  EXPECT_TRUE(is_legible("…")) << "a note need hold no name";
+  EXPECT_FALSE(is_legible("a\u202eb"));
+  EXPECT_FALSE(is_name(std::string_view("a\0b", 3)));
+}
 
 TEST(Error, KeepsItsCodeOnItsWay) {
   const Expected<void> refused = fail_with(ErrorCode::kRefused, "no {}", "entry");

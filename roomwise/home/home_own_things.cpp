@@ -1,6 +1,6 @@
 // The part of Home that stores things that people taught.
 
-#include "roomwise/base/encodings.h"
+#include "roomwise/base/name.h"
 #include "roomwise/home/home.h"
 #include "roomwise/home/schema.h"
 #include "roomwise/home/stored_values.h"
@@ -40,8 +40,10 @@ Expected<void> Home::check_new_name(const std::string& name) const {
     return fail_with(ErrorCode::kRefused, "the name is {} bytes long; {} at most", name.size(),
                      kMaxOwnThingName);
   }
-  if (!is_plain_text(name))
-    return fail_with(ErrorCode::kRefused, "a name is one line of text in UTF-8");
+  if (!is_name(name)) {
+    return fail_with(ErrorCode::kRefused,
+                     "a name is one line of text in UTF-8, with a letter or digit");
+  }
   ROOMWISE_TRY(const bool has, has_own_things());
   if (!has) return {};
   ROOMWISE_TRY(const bool is_taken,

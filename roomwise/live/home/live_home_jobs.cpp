@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "roomwise/base/name.h"
 #include "roomwise/live/home/live_home.h"
 #include "roomwise/live/recording/walk_frames.h"
 #include "roomwise/pipeline/mapping/home_floor.h"
@@ -213,6 +214,8 @@ Expected<JobEnd> LiveHome::learn_now(Progress& progress) {
 }
 
 Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string& name) {
+  if (!is_name(name))
+    return fail("the recording's name has no letter and no digit, or unseen signs");
   ROOMWISE_RETURN_IF_ERROR(recording::validate_room_name(name));
   if (name.find_first_of("/\\") != std::string::npos || name.starts_with('.')) {
     return fail("'{}' is no name for a recording: it must not hold '/' or begin with '.'", name);

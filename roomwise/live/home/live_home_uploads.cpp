@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "roomwise/base/name.h"
 #include "roomwise/live/home/live_home.h"
 #include "roomwise/recording/open_recording.h"
 #include "roomwise/recording/personal_files.h"
@@ -18,7 +19,7 @@ std::string name_of_walk(const std::string& file_name) {
   std::ranges::replace_if(
       name, [](unsigned char c) { return c == '/' || c == '\\' || std::iscntrl(c) != 0; }, '_');
   name.erase(0, name.find_first_not_of(". "));
-  if (const auto valid = recording::validate_room_name(name); !valid) return "walk";
+  if (!is_name(name) || !recording::validate_room_name(name)) return "walk";
   return name;
 }
 

@@ -10,6 +10,7 @@
 #include "roomwise/image/metadata.h"
 #include "roomwise/live/recording/remove_folder.h"
 #include "roomwise/pipeline/edits/undo_edit.h"
+#include "roomwise/pipeline/stored/stored_edits.h"
 
 namespace roomwise::live {
 namespace {
@@ -155,6 +156,7 @@ Expected<void> RoomPhotos::check_can_join(const std::string& kept,
 }
 
 Expected<std::size_t> RoomPhotos::add(const std::string& room, std::span<const std::uint8_t> sent) {
+  ROOMWISE_RETURN_IF_ERROR(pipeline::validate_spoken_name(room));
   ROOMWISE_RETURN_IF_ERROR(recording::validate_room_name(room));
   ROOMWISE_TRY(const image::ColorImage color, image::decode_color(sent, kMaxPhotoPixels));
   const auto bare = image::without_metadata(sent);

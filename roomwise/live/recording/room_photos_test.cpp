@@ -61,6 +61,9 @@ TEST_F(RoomPhotosFolder, WhatIsNoPhotoIsRefused) {
   EXPECT_ERROR(photos.add("kitchen", Bytes{1, 2, 3}), "neither a JPEG");
   EXPECT_ERROR(photos.add("kitchen", photo(1, 100)), "at least 160 a side");
   EXPECT_FALSE(photos.add("", photo(1)));
+  for (const char* unfit : {"\x1b[31mkitchen", "\u202ekitchen", "\u200b", "kit\u0085chen", "…"}) {
+    EXPECT_FALSE(photos.add(unfit, photo(1))) << unfit;
+  }
   EXPECT_THAT(photos.counts().value(), IsEmpty());
 }
 

@@ -5,6 +5,7 @@
 
 #include "roomwise/base/stopwatch.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/pipeline/stored/stored_edits.h"
 
 namespace roomwise::live {
 
@@ -67,6 +68,7 @@ void WalkRecorder::device_came_anew() {
 
 Expected<void> WalkRecorder::name_room(const std::string& room) {
   const std::scoped_lock lock(mutex_);
+  ROOMWISE_RETURN_IF_ERROR(pipeline::validate_spoken_name(room));
   ROOMWISE_RETURN_IF_ERROR(recording::validate_room_name(room));
   return writer_->name_room(room);
 }

@@ -386,6 +386,8 @@ TEST_F(HomeThingsOfWalks, WhatCannotBeSpokenOrChangesNothingIsRefused) {
   EXPECT_OK(validate_spoken_name("\u00e9\u00e9\u00e9")) << "letters are counted, not bytes";
   EXPECT_ERROR(rename_thing(*home_, kAnna, thing(), "so\nfa"), "line break");
   EXPECT_ERROR(rename_thing(*home_, kAnna, thing(), "so\xff"), "not UTF-8");
+  EXPECT_ERROR(rename_thing(*home_, kAnna, thing(), "\u202eafos"), "cannot be spoken");
+  EXPECT_ERROR(rename_thing(*home_, kAnna, thing(), "…"), "no letter and no digit");
   EXPECT_ERROR(note_thing(*home_, kAnna, thing(), std::string(201, 'x')), "at most 200");
   EXPECT_ERROR(note_thing(*home_, kAnna, thing(), ""), "no note to take away");
   EXPECT_ERROR(merge_things(*home_, kAnna, thing(), thing()), "its own double");

@@ -4,6 +4,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "roomwise/base/name.h"
+
 namespace roomwise::pipeline {
 namespace {
 
@@ -72,14 +74,12 @@ Expected<void> validate_text(std::string_view what, std::string_view text, std::
   if (static_cast<std::size_t>(characters) > most) {
     return fail("{} has {} characters; at most {} can be kept", what, characters, most);
   }
-  const bool has_control = std::ranges::any_of(text, [](char byte) {
-    const auto code = static_cast<unsigned char>(byte);
-    return code < 0x20U || code == 0x7FU;
-  });
-  if (has_control) return fail("{} has a line break or another sign that cannot be spoken", what);
   if (Json(std::string(text)).dump(-1, ' ', false, Json::error_handler_t::ignore) !=
       Json(std::string(text)).dump(-1, ' ', false, Json::error_handler_t::replace)) {
     return fail("{} is not UTF-8 text", what);
+  }
+  if (!is_legible(text)) {
+    return fail("{} has a line break or another sign that cannot be spoken", what);
   }
   return {};
 }
@@ -209,7 +209,9 @@ Expected<void> validate_spoken_name(std::string_view name) {
   if (name.find_first_not_of(' ') == std::string_view::npos) {
     return fail("the name is empty; a thing needs a name");
   }
-  return validate_text("the name", name, kMost);
+  ROOMWISE_RETURN_IF_ERROR(validate_text("the name", name, kMost));
+  if (!is_name(name)) return fail("the name '{}' has no letter and no digit", name);
+  return {};
 }
 
 Expected<void> validate_note(std::string_view note) {

@@ -130,7 +130,7 @@ Expected<std::optional<Pairing>> AccessRegister::pair_by_code(Role role, const s
 
 Expected<Pairing> AccessRegister::pair_here(Role role, const std::string& name, const Now& now) {
   if (!is_device_name(name)) {
-    return fail("a device's name must have 1 to 64 bytes, without control characters");
+    return fail("a device's name must have 1 to 64 bytes on one line, with a letter or digit");
   }
   const std::scoped_lock lock(mutex_);
   return add(role, name, now);
@@ -177,7 +177,7 @@ Expected<bool> AccessRegister::revoke(std::int64_t device) {
 
 Expected<bool> AccessRegister::rename(std::int64_t device, const std::string& name) {
   if (!is_device_name(name)) {
-    return fail("'name' must be a name of 1 to 64 bytes on one line");
+    return fail("'name' must be a name of 1 to 64 bytes on one line, with a letter or digit");
   }
   const std::scoped_lock lock(mutex_);
   const auto entry = std::ranges::find_if(

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "roomwise/base/encodings.h"
+#include "roomwise/base/name.h"
 #include "roomwise/service/credentials/pairing_proof.h"
 #include "roomwise/service/credentials/secrets.h"
 
@@ -47,8 +48,7 @@ bool is_code(std::string_view code) {
 }  // namespace
 
 bool is_device_name(std::string_view name) {
-  return !name.empty() && name.size() <= 64 &&
-         std::ranges::all_of(name, [](unsigned char c) { return c >= 0x20 && c != 0x7F; });
+  return name.size() <= 64 && is_name(name);
 }
 
 ProofPlaces::Place ProofPlaces::take() {
@@ -252,7 +252,8 @@ tl::expected<Pairing, Refusal> PairingDoor::redeem_digits(const PairingAttempt& 
 tl::expected<Pairing, Refusal> PairingDoor::redeem(const PairingAttempt& attempt, const Now& now,
                                                    const Add& add) {
   if (!is_device_name(attempt.name)) {
-    return refuse(400, "'name' must have 1 to 64 bytes, without control characters");
+    return refuse(400,
+                  "'name' must be a name of 1 to 64 bytes on one line, with a letter or digit");
   }
   return is_by_secret(attempt) ? redeem_secret(attempt, now, add)
                                : redeem_digits(attempt, now, add);
