@@ -1,6 +1,9 @@
 #include "roomwise/service/access/account_store.h"
 
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <condition_variable>
@@ -242,6 +245,47 @@ TEST_P(PostgresqlAccountsTest, PostgresqlIsGivenNoTextWithAZero) {
   const auto link = open_postgresql_link(postgresql_->address());
   ASSERT_OK(link);
   EXPECT_ERROR((*link)->run("SELECT 1 WHERE 'anna' = $1", {"anna\0x1"s}), "zero byte");
+}
+
+// What a client of PostgreSQL says first to one who has no TLS, and then.
+std::string said_without_tls(const std::string& address) {
+  const int listening = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in own{};
+  own.sin_family = AF_INET;
+  own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof own;
+  EXPECT_EQ(::bind(listening, reinterpret_cast<sockaddr*>(&own), size), 0);
+  EXPECT_EQ(::listen(listening, 1), 0);
+  ::getsockname(listening, reinterpret_cast<sockaddr*>(&own), &size);
+  std::string said;
+  std::jthread server([&] {
+    const int client = ::accept(listening, nullptr, nullptr);
+    char buffer[512];
+    for (ssize_t count; (count = ::recv(client, buffer, sizeof buffer, 0)) > 0;) {
+      said.append(buffer, static_cast<std::size_t>(count));
+      if (said.size() != 8) break;  // it asked for no TLS, or has not done without
+      EXPECT_EQ(::send(client, "N", 1, MSG_NOSIGNAL), 1);
+    }
+    ::close(client);
+  });
+  EXPECT_FALSE(open_postgresql_link(address + fmt::format(" port={}", ntohs(own.sin_port))));
+  ::shutdown(listening, SHUT_RDWR);
+  server.join();
+  ::close(listening);
+  return said;
+}
+
+TEST(PostgresqlLinkTest, AServerElsewhereIsToldNothingWithoutTls) {
+  if (!has_postgresql()) GTEST_SKIP() << "built without PostgreSQL's client";
+  const auto says_who = [](const std::string& address) {
+    return said_without_tls(address + " user=roomwise gssencmode=disable").find("roomwise") !=
+           std::string::npos;
+  };
+  EXPECT_FALSE(says_who("host=db.example hostaddr=127.0.0.1"));
+  EXPECT_FALSE(says_who("host=127.example hostaddr=127.0.0.1"));
+  EXPECT_TRUE(says_who("host=127.0.0.1"));
+  EXPECT_TRUE(says_who("hostaddr=127.0.0.1"));
+  EXPECT_TRUE(says_who("host=db.example hostaddr=127.0.0.1 sslmode=prefer"));
 }
 
 TEST(PairingGuardTest, WhoInventsPeersEndsNobodysWait) {

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <mutex>
+
+#include "roomwise/service/credentials/allowed_hosts.h"
 #endif
 
 namespace roomwise::service {
@@ -28,6 +30,34 @@ std::string one_line(std::string text) {
     if (c == '\n') c = ' ';
   }
   return text;
+}
+
+struct FreeOptions {
+  void operator()(PQconninfoOption* options) const { PQconninfoFree(options); }
+};
+
+bool is_this_computer(std::string_view host) {
+  return host.starts_with('/') || host.starts_with('@') || host == "localhost" || host == "::1" ||
+         (host.starts_with("127.") && is_address(host));
+}
+
+// How the server is made sure of where the address does not say: by its certificate, unless it is
+// this computer. Sockets of the system have no TLS whatever this says.
+const char* default_sslmode(const std::string& address) {
+  const std::unique_ptr<PQconninfoOption, FreeOptions> options(
+      PQconninfoParse(address.c_str(), nullptr));
+  bool is_here = false;
+  for (const PQconninfoOption* one = options.get(); one != nullptr && one->keyword != nullptr;
+       ++one) {
+    const std::string_view keyword = one->keyword;
+    if (one->val == nullptr || (keyword != "host" && keyword != "hostaddr")) continue;
+    is_here = true;  // unless one of them, parted by commas, is elsewhere
+    for (std::string_view left = one->val;; left.remove_prefix(left.find(',') + 1)) {
+      if (!is_this_computer(left.substr(0, left.find(',')))) return "verify-full";
+      if (left.find(',') == std::string_view::npos) break;
+    }
+  }
+  return is_here ? "prefer" : "verify-full";
 }
 
 class PostgresqlLink final : public SqlLink {
@@ -68,7 +98,7 @@ class PostgresqlLink final : public SqlLink {
     if (connection_ && is_alive()) return {};
     // Who signs in must not wait for a server that is away or hangs as long as the network may
     // take. The address comes last, so that it may say otherwise.
-    constexpr std::array<std::array<const char*, 2>, 8> kSettings{{
+    const std::array<std::array<const char*, 2>, 9> settings{{
         {"application_name", "roomwise"},
         {"connect_timeout", "5"},      // s
         {"tcp_user_timeout", "5000"},  // ms until what was sent must have been received
@@ -77,10 +107,11 @@ class PostgresqlLink final : public SqlLink {
         {"keepalives_interval", "5"},
         {"keepalives_count", "2"},
         {"options", "-c statement_timeout=5000"},  // ms
+        {"sslmode", default_sslmode(address_)},
     }};
     std::vector<const char*> names;
     std::vector<const char*> values;
-    for (const auto& [name, value] : kSettings) {
+    for (const auto& [name, value] : settings) {
       names.push_back(name);
       values.push_back(value);
     }

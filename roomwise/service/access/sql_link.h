@@ -32,7 +32,8 @@ class SqlLink {
 
 // "postgresql://USER@HOST/DATABASE". A connection that is lost is made anew; what
 // was being written then may have been carried out or not. A statement may take 5 s, unless the
-// address says otherwise. Fails where Roomwise
+// address says otherwise; so may the server's certificate be made sure of otherwise than by
+// sslmode=verify-full, which holds where the server is not this computer. Fails where Roomwise
 // was built without libpq. Errors never show the address, which may hold a password.
 [[nodiscard]] Expected<std::unique_ptr<SqlLink>> open_postgresql_link(const std::string& address);
 [[nodiscard]] bool has_postgresql();
