@@ -85,6 +85,14 @@ class SocketConnection final : public Connection,
     stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& answer) {
       answer.set(beast::http::field::sec_websocket_protocol, "roomwise.1");
     }));
+    stream_.control_callback([weak = weak_from_this()](websocket::frame_type type, auto) {
+      const auto self = weak.lock();
+      if (!self || type == websocket::frame_type::close) return;
+      std::string why = self->why_too_much(0);
+      if (why.empty()) return;
+      // Not from within what reads.
+      asio::post(self->core_.io, [self, why = std::move(why)] { self->refuse_flood(why); });
+    });
     stream_.read_message_max(0);  // it would end without a reason; see read_on()
     auto kept = std::make_shared<BeastRequest>(std::move(request));
     stream_.async_accept(*kept, [self = shared_from_this(), kept](error_code error) {
@@ -215,8 +223,9 @@ class SocketConnection final : public Connection,
           if (error) return self->on_closed(error);
           if (self->ending_) return self->read_to_the_end();
           if (self->buffer_.size() > most) {
-            return self->refuse("a message that is too large", websocket::close_code::too_big,
-                                fmt::format("a message has at most {} bytes", most));
+            self->refuse("a message that is too large", websocket::close_code::too_big,
+                         fmt::format("a message has at most {} bytes", most));
+            return self->read_to_the_end();
           }
           if (self->stream_.is_message_done()) return self->on_message();
           self->read_on();
@@ -225,7 +234,8 @@ class SocketConnection final : public Connection,
 
   void on_message() {
     core_.events.message_in(buffer_.size());
-    if (is_too_much(buffer_.size())) return;
+    if (const std::string why = why_too_much(buffer_.size()); !why.empty()) refuse_flood(why);
+    if (ending_) return read_to_the_end();
     const auto* begin = static_cast<const std::uint8_t*>(buffer_.data().data());
     auto bytes = std::make_shared<Bytes>(begin, begin + buffer_.size());
     on_session([self = shared_from_this(), bytes, is_text = stream_.got_text()] {
@@ -235,26 +245,29 @@ class SocketConnection final : public Connection,
     });
   }
 
-  // Closes a client that sends more than it may; what it sent is not read any more.
-  bool is_too_much(std::size_t bytes) {
+  // Counts a message, a ping or a pong; why it is more than the client may send, or nothing.
+  std::string why_too_much(std::size_t bytes) {
     const ServerLimits& limits = core_.options.limits;
     const double now_s = core_.now().steady_s;
-    std::string why;
     if (!messages_.take("", now_s)) {
-      why = fmt::format("too many messages: at most {:.0f} a second", limits.rate_messages);
-    } else if (!bytes_.take("", now_s, static_cast<double>(bytes))) {
-      why = fmt::format("too many bytes: at most {:.0f} a second", limits.rate_bytes);
+      return fmt::format("too many messages: at most {:.0f} a second", limits.rate_messages);
     }
-    if (why.empty()) return false;
+    if (!bytes_.take("", now_s, static_cast<double>(bytes))) {
+      return fmt::format("too many bytes: at most {:.0f} a second", limits.rate_bytes);
+    }
+    return "";
+  }
+
+  // What it sent is not read any more.
+  void refuse_flood(const std::string& why) {
+    if (ending_) return;
     refuse("too many messages of one client", websocket::close_code::policy_error, why);
-    return true;
   }
 
   void refuse(const std::string& what, websocket::close_code code, const std::string& why) {
     core_.events.refused(what, peer_, core_.now().steady_s);
     out_->shut();
     begin_end(code, why);
-    read_to_the_end();
   }
 
   // Until the other side has closed, too.

@@ -139,6 +139,21 @@ TEST_F(SocketTest, ClosesAClientThatSendsTooManyMessagesAndSaysWhy) {
   EXPECT_LE(home_.sockets.texts.size(), 4u);
 }
 
+TEST_F(SocketTest, PingsAndPongsCountAsMessages) {
+  home_.options.limits.burst_messages = 3;
+  home_.options.limits.rate_messages = 1;
+  home_.start();
+  for (const char opcode : {9, 10}) {
+    const auto client = raw();
+    for (int i = 0; i < 3; ++i) client->send(frame(opcode, "p"));
+    client->send(frame(1, "one more"));
+    client->send(frame(8, ""));
+    EXPECT_THAT(client->receive_all(), HasSubstr("too many messages: at most 1 a second"));
+  }
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.closed == 2; }));
+  EXPECT_THAT(home_.sockets.texts, ::testing::IsEmpty());
+}
+
 TEST_F(SocketTest, ClosesAClientThatSendsTooManyBytesAndSaysWhy) {
   home_.options.limits.burst_bytes = 3000;
   home_.options.limits.rate_bytes = 1000;
