@@ -1,7 +1,7 @@
 #include "roomwise/base/name.h"
 
 #include <unicode/uchar.h>
-#include <unicode/utf8.h>
+#include <unicode/unistr.h>
 
 #include <cstdint>
 #include <optional>
@@ -11,11 +11,13 @@ namespace {
 
 // The general categories of what is in it, as U_GC_…_MASK; nothing where it is no UTF-8.
 std::optional<std::uint32_t> categories_of(std::string_view text) {
+  constexpr UChar32 kBroken = 0xFFFD;  // what stands for it
+  const auto units =
+      icu::UnicodeString::fromUTF8({text.data(), static_cast<std::int32_t>(text.size())});
   std::uint32_t categories = 0;
-  for (std::size_t at = 0; at < text.size();) {
-    UChar32 point = 0;
-    U8_NEXT(text.data(), at, text.size(), point);
-    if (point < 0) return std::nullopt;
+  for (std::int32_t at = 0; at < units.length(); at = units.moveIndex32(at, 1)) {
+    const UChar32 point = units.char32At(at);
+    if (point == kBroken) return std::nullopt;
     categories |= U_GET_GC_MASK(point);
   }
   return categories;
