@@ -6,6 +6,7 @@
 #include <boost/beast/websocket/ssl.hpp>
 #include <deque>
 #include <exception>
+#include <functional>
 #include <mutex>
 
 #include "roomwise/service/server/server_core.h"
@@ -19,6 +20,28 @@ using boost::system::error_code;
 constexpr std::size_t kPieceBytes = 64 * 1024;  // of a message, read at once
 
 class SocketConnection;
+
+// A stream that tells when it is read from: Beast says nothing of empty pieces of a message.
+class HeardStream : public TlsStream {
+ public:
+  explicit HeardStream(TlsStream stream) : TlsStream(std::move(stream)) {}
+
+  std::function<void()> on_read;
+  template <typename Buffers, typename Handler>
+  auto async_read_some(const Buffers& buffers, Handler&& handler) {
+    if (on_read) on_read();
+    return TlsStream::async_read_some(buffers, std::forward<Handler>(handler));
+  }
+};
+
+// By which Beast ends it.
+void teardown(beast::role_type role, HeardStream& stream, error_code& error) {
+  beast::teardown(role, static_cast<TlsStream&>(stream), error);
+}
+template <typename Handler>
+void async_teardown(beast::role_type role, HeardStream& stream, Handler&& handler) {
+  beast::async_teardown(role, static_cast<TlsStream&>(stream), std::forward<Handler>(handler));
+}
 
 // What waits for a client. Others hold it as long as they like; it holds nothing.
 class Outbox final : public SocketOut, public std::enable_shared_from_this<Outbox> {
@@ -88,11 +111,14 @@ class SocketConnection final : public Connection,
     stream_.control_callback([weak = weak_from_this()](websocket::frame_type type, auto) {
       const auto self = weak.lock();
       if (!self || type == websocket::frame_type::close) return;
-      std::string why = self->why_too_much(0);
-      if (why.empty()) return;
-      // Not from within what reads.
-      asio::post(self->core_.io, [self, why = std::move(why)] { self->refuse_flood(why); });
+      self->reads_ = 0;
+      self->count_within_reading();
     });
+    // A header and what follows it may be read apart; what is read though nothing comes of it holds
+    // empty pieces.
+    stream_.next_layer().on_read = [this] {
+      if (++reads_ > 2) count_within_reading();
+    };
     stream_.read_message_max(0);  // it would end without a reason; see read_on()
     auto kept = std::make_shared<BeastRequest>(std::move(request));
     stream_.async_accept(*kept, [self = shared_from_this(), kept](error_code error) {
@@ -219,6 +245,7 @@ class SocketConnection final : public Connection,
   void read_on() {
     stream_.async_read_some(
         buffer_, kPieceBytes, [self = shared_from_this()](error_code error, std::size_t) {
+          self->reads_ = 0;
           const std::size_t most = self->core_.options.limits.message_bytes;
           if (error) return self->on_closed(error);
           if (self->ending_) return self->read_to_the_end();
@@ -245,7 +272,16 @@ class SocketConnection final : public Connection,
     });
   }
 
-  // Counts a message, a ping or a pong; why it is more than the client may send, or nothing.
+  void count_within_reading() {
+    if (ending_) return;
+    std::string why = why_too_much(0);
+    if (why.empty()) return;
+    asio::post(core_.io,
+               [self = shared_from_this(), why = std::move(why)] { self->refuse_flood(why); });
+  }
+
+  // Counts a message, a ping, a pong or empty pieces; why it is more than the client may send, or
+  // nothing.
   std::string why_too_much(std::size_t bytes) {
     const ServerLimits& limits = core_.options.limits;
     const double now_s = core_.now().steady_s;
@@ -318,7 +354,7 @@ class SocketConnection final : public Connection,
   const Identity who_;
   const std::string known_as_;  // in the log
   const std::string peer_;
-  websocket::stream<TlsStream> stream_;
+  websocket::stream<HeardStream> stream_;
   beast::flat_buffer buffer_;
   RateLimit messages_;
   RateLimit bytes_;
@@ -329,6 +365,7 @@ class SocketConnection final : public Connection,
   std::unique_ptr<SocketSession> session_;  // belongs to the strand
   std::optional<websocket::close_code> ending_;
   std::string end_reason_;
+  int reads_ = 0;  // of the stream since something came
   bool open_ = false;
   bool greeted_ = false;
   bool writing_ = false;

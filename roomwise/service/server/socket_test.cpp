@@ -154,6 +154,29 @@ TEST_F(SocketTest, PingsAndPongsCountAsMessages) {
   EXPECT_THAT(home_.sockets.texts, ::testing::IsEmpty());
 }
 
+TEST_F(SocketTest, EmptyPiecesOfAMessageCountAsMessages) {
+  home_.options.limits.burst_messages = 20;
+  home_.options.limits.rate_messages = 1;
+  home_.start();
+  const auto flooding = raw();
+  const auto piece = [](char opcode, const std::string& payload, bool is_last) {
+    std::string bytes = frame(opcode, payload);
+    if (!is_last) bytes[0] = opcode;
+    return bytes;
+  };
+  flooding->send(piece(1, "", false));
+  for (int i = 0; i < 30; ++i) flooding->send(piece(0, "", false));
+  flooding->send(piece(0, "never heard", true));
+  flooding->send(frame(8, ""));
+  EXPECT_THAT(flooding->receive_all(), HasSubstr("too many messages: at most 1 a second"));
+  // A message in pieces that hold something counts as one.
+  const auto client = raw();
+  for (int message = 0; message < 10; ++message) {
+    for (int i = 0; i < 30; ++i) client->send(piece(i == 0 ? 1 : 0, "some", i == 29));
+  }
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.texts.size() == 10; }));
+}
+
 TEST_F(SocketTest, ClosesAClientThatSendsTooManyBytesAndSaysWhy) {
   home_.options.limits.burst_bytes = 3000;
   home_.options.limits.rate_bytes = 1000;
