@@ -10,11 +10,12 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 # time. Mixed -march flags change Eigen's alignment from one target to the next and corrupt memory.
 # -ffp-contract=off: the same seed gives the same bits whichever way the compiler would have fused.
 add_compile_options(-Wall -Wextra -Wconversion -Wshadow -Werror -ffp-contract=off)
-# Eigen asks this of the compiler, and fuses by itself where it is there, as on every arm64; in large products even so.
-set(ROOMWISE_UNFUSED_EIGEN "")
+# Eigen asks this of the compiler, and fuses by itself where it is there, as on every arm64. What else it does otherwise
+# there, a header takes back.
+set(ROOMWISE_EIGEN_AS_ON_X86 "")
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
   add_compile_options(-U__ARM_FEATURE_FMA)
-  set(ROOMWISE_UNFUSED_EIGEN ${PROJECT_SOURCE_DIR}/cmake/unfused_eigen.h)
+  set(ROOMWISE_EIGEN_AS_ON_X86 ${PROJECT_SOURCE_DIR}/cmake/eigen_as_on_x86.h)
 endif()
 if(CMAKE_BUILD_TYPE STREQUAL "Release")
   add_compile_options(-O3)
@@ -59,7 +60,7 @@ endfunction()
 function(add_shared_headers name headers)
   add_library(${name} OBJECT ${PROJECT_SOURCE_DIR}/cmake/shared_headers.cpp)
   target_link_libraries(${name} PRIVATE ${ARGN})
-  target_precompile_headers(${name} PRIVATE ${ROOMWISE_UNFUSED_EIGEN} ${PROJECT_SOURCE_DIR}/cmake/${headers})
+  target_precompile_headers(${name} PRIVATE ${ROOMWISE_EIGEN_AS_ON_X86} ${PROJECT_SOURCE_DIR}/cmake/${headers})
 endfunction()
 
 # Most of what is left of a clean build is headers read and templates made anew for every source, so sources of
