@@ -11,10 +11,11 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 # -ffp-contract=off: the same seed gives the same bits whichever way the compiler would have fused.
 add_compile_options(-Wall -Wextra -Wconversion -Wshadow -Werror -ffp-contract=off)
 # Eigen asks this of the compiler, and fuses by itself where it is there, as on every arm64. What else it does otherwise
-# there, a header takes back.
+# there, two headers take back.
 set(ROOMWISE_EIGEN_AS_ON_X86 "")
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
   add_compile_options(-U__ARM_FEATURE_FMA)
+  add_compile_definitions(EIGEN_DENSEBASE_PLUGIN="${PROJECT_SOURCE_DIR}/cmake/eigen_products_as_on_x86.h")
   set(ROOMWISE_EIGEN_AS_ON_X86 ${PROJECT_SOURCE_DIR}/cmake/eigen_as_on_x86.h)
 endif()
 if(CMAKE_BUILD_TYPE STREQUAL "Release")
