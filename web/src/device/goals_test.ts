@@ -1,5 +1,6 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
+import { roomCalled } from '../shared/spoken';
 import { setLanguage } from '../shared/texts';
 import { goalCalled, goalsOf } from './goals';
 
@@ -35,4 +36,13 @@ test('of things of one name in different rooms each room has its own', () => {
 
 test('what is typed and not in the list is asked for as a thing', () => {
   assert.deepEqual(goalCalled([], 'teapot'), { kind: 'thing', name: 'teapot', label: 'teapot' });
+});
+
+test('rooms are listed as each language calls them, and a name that two would have is left to neither', () => {
+  const called = (room: string): string => roomCalled('de', room);
+  const thingsInRooms = [{ thing: 'Stuhl', rooms: ['kitchen', "Anna's"] }];
+  const goals = goalsOf({ spots: [], rooms: ['kitchen', "Anna's", 'dining', 'dining room'], things: ['Stuhl'], thingsInRooms }, 'Ausgang', called);
+  assert.deepEqual(goals.map((goal) => goal.label),
+    ['Ausgang', 'Küche', "Anna's", 'dining', 'dining room', 'Stuhl, Küche', "Stuhl, Anna's"]);
+  assert.deepEqual(goalCalled(goals, 'Küche'), { kind: 'room', name: 'kitchen', label: 'Küche' });
 });

@@ -162,7 +162,7 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
     nameRoom: () => openChoice({
       title: text('name_room.title'), label: text('name_room.label'), go: text('name_room.go'),
       missing: text('name_room.missing'),
-    }, phone.state.rooms, (room) => phone.ask({ question: 'name_room', room })),
+    }, [...phone.roomsByLabel.keys()], (label) => phone.ask({ question: 'name_room', room: phone.roomsByLabel.get(label) ?? label })),
     record: () => void recording.begin(),
     stopRecording: () => void recording.stop(),
     howFar: () => recording.tellState(),

@@ -6,13 +6,13 @@ import {
   type ThingInRooms, type Welcome,
 } from '../shared/protocol';
 import type { Session } from '../shared/session';
-import { wayOut, type SpokenKey } from '../shared/spoken';
+import { roomCalled, wayOut, type SpokenKey } from '../shared/spoken';
 import { language, text } from '../shared/texts';
 import { AnswerWatch } from './answer_watch';
 import { CameraWatch, type CameraNews } from './camera_watch';
 import { ConnectionWatch, kLookEveryMs, type ConnectionNews } from './connection_watch';
 import { FrameSender, kFrameGapMs } from './frame_sender';
-import { goalsOf, type Goal } from './goals';
+import { goalsOf, roomLabels, type Goal } from './goals';
 import { LedAgain } from './led_again';
 import { ownPrompt } from './own_prompt';
 import { PictureFlow } from './picture_flow';
@@ -167,11 +167,17 @@ export class Phone {
 
   // What one may be led to.
   get goals(): Goal[] {
-    return goalsOf(this.state, wayOut(language()));
+    return goalsOf(this.state, wayOut(language()), (room) => roomCalled(language(), room));
   }
 
   get findable(): Goal[] {
-    return goalsOf({ ...this.state, rooms: [] }, wayOut(language()));
+    return goalsOf({ ...this.state, rooms: [] }, wayOut(language()), (room) => roomCalled(language(), room));
+  }
+
+  // By what they are called in lists: how the computer knows them.
+  get roomsByLabel(): Map<string, string> {
+    const labels = roomLabels(this.state.rooms, (room) => roomCalled(language(), room));
+    return new Map([...labels].map(([name, label]) => [label, name]));
   }
 
   takeMeBack(): void {
