@@ -27,6 +27,7 @@ void read_message(const Channel& channel, std::span<const std::uint8_t> bytes) {
     }
   }
   std::ignore = decode_odometry(channel, bytes);
+  std::ignore = decode_inertial(channel, bytes);
   std::ignore = decode_bare_transform(channel, bytes);
 }
 

@@ -33,7 +33,25 @@ Recording::Recording(RecordingContents contents) : contents_(std::move(contents)
   for (const RecordedPicture& picture : contents_.pictures) {
     if (picture.has_depth) frames_.push_back(picture.index);
   }
+  keep_inertial_that_tells();
   count_what_is_left();
+}
+
+void Recording::keep_inertial_that_tells() {
+  if (contents_.inertial.empty()) return;
+  const auto& samples = contents_.inertial.samples();
+  const bool is_of_pictures = std::ranges::any_of(pictures(), [&](const RecordedPicture& picture) {
+    return picture.timestamp_ns >= samples.front().timestamp_ns &&
+           picture.timestamp_ns <= samples.back().timestamp_ns;
+  });
+  if (!is_of_pictures) {
+    contents_.notes.push_back(fmt::format(
+        "the inertial sensor's times, {} to {} s, are those of no picture: it is left out; give "
+        "both the times of one clock",
+        format_timestamp(samples.front().timestamp_ns),
+        format_timestamp(samples.back().timestamp_ns)));
+  }
+  if (!is_of_pictures || has_device_motion()) contents_.inertial = {};
 }
 
 void Recording::count_what_is_left() {

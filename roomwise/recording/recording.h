@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "roomwise/geometry/inertial_track.h"
 #include "roomwise/recording/frame_source.h"
 #include "roomwise/recording/trajectory_file.h"
 
@@ -48,6 +49,8 @@ struct RecordingContents {
   bool poses_are_device_motion = false;
   // The direction up in the device's world, unit length, where that is level.
   std::optional<Eigen::Vector3d> device_up = std::nullopt;
+  // What an inertial sensor felt, raw, where the device wrote that.
+  geometry::InertialTrack inertial = {};
   // For people: what was chosen among several, what was found wrong and passed over, what an end
   // that was cut off lacks.
   std::vector<std::string> notes;
@@ -71,6 +74,8 @@ class Recording : public FrameSource {
   [[nodiscard]] bool has_device_motion() const {
     return contents_.poses_are_device_motion && !contents_.device_poses.empty();
   }
+  // Of a device that tells no motion; where it does, its poses hold what its sensor felt.
+  [[nodiscard]] const geometry::InertialTrack& inertial() const { return contents_.inertial; }
   // For people, a sentence each: what was chosen among several streams, what was passed over.
   [[nodiscard]] const std::vector<std::string>& notes() const { return contents_.notes; }
   // Null where there is no such colour image.
@@ -112,6 +117,7 @@ class Recording : public FrameSource {
 
  private:
   void count_what_is_left();
+  void keep_inertial_that_tells();
   // At a picture's time: the device's pose of that time, or between two that are close together.
   [[nodiscard]] std::optional<geometry::DeviceMotion> motion_at(TimestampNs timestamp_ns) const;
 

@@ -7,6 +7,7 @@
 #include "roomwise/image/metadata.h"
 #include "roomwise/recording/camera_file.h"
 #include "roomwise/recording/data_lines.h"
+#include "roomwise/recording/inertial_file.h"
 #include "roomwise/recording/odometry_file.h"
 #include "roomwise/recording/personal_files.h"
 
@@ -167,6 +168,8 @@ Expected<std::unique_ptr<TumRecording>> TumRecording::open(const std::filesystem
     contents.device_poses = std::move(odometry.poses);
     contents.device_up = odometry.up;
     contents.poses_are_device_motion = true;
+  } else {
+    contents.inertial = read_inertial(folder, contents.notes);
   }
   return std::unique_ptr<TumRecording>(new TumRecording(
       std::move(contents), std::move(colors), std::move(depths), std::move(associations)));

@@ -54,6 +54,26 @@ class TumFolder : public ::testing::Test {
   ScratchFolder folder_;
 };
 
+TEST_F(TumFolder, AnInertialSensorIsReadBesideItAndNeverStopsIt) {
+  write("imu.txt", "0.00 0 0 0.1 0 -9.8 0\n0.05 0 0 0.1 0 -9.8 0\n0.1 0 0 0.1 0 -9.8 0\n");
+  EXPECT_EQ((*open())->inertial().samples().size(), 3U);
+  EXPECT_THAT((*open())->notes(), ::testing::IsEmpty());
+
+  write("imu.txt", "1000 0 0 0.1 0 -9.8 0\n1001 0 0 0.1 0 -9.8 0\n");
+  EXPECT_TRUE((*open())->inertial().empty());
+  EXPECT_THAT((*open())->notes(), ::testing::ElementsAre(::testing::HasSubstr("of no picture")));
+
+  write("imu.txt", "what is this\n");
+  const auto recording = open();
+  ASSERT_OK(recording);
+  EXPECT_TRUE((*recording)->inertial().empty());
+  EXPECT_FALSE((*recording)->notes().empty());
+
+  write("imu.txt", "0.00 0 0 0.1 0 -9.8 0\n0.1 0 0 0.1 0 -9.8 0\n");
+  write("odometry.txt", "0.0 0 0 0 0 0 0 1\n0.1 0 0 0 0 0 0 1\n");
+  EXPECT_TRUE((*open())->inertial().empty()) << "its poses hold what the sensor felt";
+}
+
 TEST_F(TumFolder, GivesFramesWithTheirPlaceInTheListOfColour) {
   auto recording = open();
   ASSERT_OK(recording);

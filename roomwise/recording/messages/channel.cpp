@@ -18,6 +18,7 @@ constexpr std::array kKnownTypes{
     KnownType{"tf2_msgs/TFMessage", MessageType::kTransforms},
     KnownType{"tf/tfMessage", MessageType::kTransforms},
     KnownType{"nav_msgs/Odometry", MessageType::kOdometry},
+    KnownType{"sensor_msgs/Imu", MessageType::kInertial},
     KnownType{"geometry_msgs/Transform", MessageType::kBareTransform},
     KnownType{"std_msgs/Float32", MessageType::kFloat},
     KnownType{"foxglove.RawImage", MessageType::kImage},

@@ -16,6 +16,7 @@ enum class MessageType {
   kTransforms,       // tf2_msgs/TFMessage, foxglove.FrameTransforms
   kTransform,        // foxglove.FrameTransform
   kOdometry,         // nav_msgs/Odometry
+  kInertial,         // sensor_msgs/Imu
   kBareTransform,    // geometry_msgs/Transform (RealSense: extrinsics)
   kFloat             // std_msgs/Float32 (RealSense: options)
 };

@@ -77,7 +77,8 @@ Expected<std::vector<TransformMessage>> ros_transforms(const Channel& channel, M
 
 bool has_header(MessageType type) {
   return type == MessageType::kImage || type == MessageType::kCompressedImage ||
-         type == MessageType::kCameraInfo || type == MessageType::kOdometry;
+         type == MessageType::kCameraInfo || type == MessageType::kOdometry ||
+         type == MessageType::kInertial;
 }
 
 }  // namespace
@@ -142,6 +143,24 @@ Expected<TransformMessage> decode_odometry(const Channel& channel, Message messa
   pose.parent_from_child = read_transform(reader);
   if (!is_ros(channel) || !reader.ok()) return cut_off();
   return checked(std::move(pose));
+}
+
+Expected<InertialMessage> decode_inertial(const Channel& channel, Message message) {
+  RosReader reader(message, channel.encoding);
+  InertialMessage inertial;
+  inertial.header = reader.header();
+  inertial.sample.timestamp_ns = inertial.header.timestamp_ns;
+  const auto skip = [&](int numbers) {
+    for (int i = 0; i < numbers; ++i) reader.number<double>();
+  };
+  constexpr int kCovariance = 9;
+  skip(4 + kCovariance);  // the orientation, which a filter made
+  for (double& number : inertial.sample.turning_rad_s) number = reader.number<double>();
+  skip(kCovariance);
+  for (double& number : inertial.sample.force_m_s2) number = reader.number<double>();
+  skip(kCovariance);
+  if (!is_ros(channel) || !reader.ok()) return cut_off();
+  return inertial;
 }
 
 Expected<geometry::RigidTransform> decode_bare_transform(const Channel& channel, Message message) {

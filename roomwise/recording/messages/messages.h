@@ -9,6 +9,7 @@
 
 #include "roomwise/base/file.h"
 #include "roomwise/base/timestamp.h"
+#include "roomwise/geometry/inertial_track.h"
 #include "roomwise/geometry/rigid_transform.h"
 #include "roomwise/recording/messages/channel.h"
 
@@ -54,6 +55,11 @@ struct TransformMessage {
   geometry::RigidTransform parent_from_child;
 };
 
+struct InertialMessage {
+  MessageHeader header;
+  geometry::InertialSample sample;  // in the header's frame
+};
+
 [[nodiscard]] Expected<ImageMessage> decode_image(const Channel& channel,
                                                   std::span<const std::uint8_t> message);
 [[nodiscard]] Expected<CompressedImageMessage> decode_compressed_image(
@@ -66,12 +72,14 @@ struct TransformMessage {
 // The pose of the child's frame in the header's.
 [[nodiscard]] Expected<TransformMessage> decode_odometry(const Channel& channel,
                                                          std::span<const std::uint8_t> message);
+[[nodiscard]] Expected<InertialMessage> decode_inertial(const Channel& channel,
+                                                        std::span<const std::uint8_t> message);
 [[nodiscard]] Expected<geometry::RigidTransform> decode_bare_transform(
     const Channel& channel, std::span<const std::uint8_t> message);
 [[nodiscard]] Expected<double> decode_float(const Channel& channel,
                                             std::span<const std::uint8_t> message);
 
-// The time in the header of an image, a camera info or an odometry message, from its first bytes;
+// The time in the header of an image, a camera info, an odometry or an inertial message, from its first bytes;
 // nothing where they are too few or the type has no header.
 [[nodiscard]] std::optional<TimestampNs> header_time(const Channel& channel,
                                                      std::span<const std::uint8_t> message);

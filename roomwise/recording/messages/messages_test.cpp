@@ -115,6 +115,21 @@ TEST_P(RosMessages, OdometryIsReadBack) {
   EXPECT_TRUE(pose->parent_from_child.translation.isApprox(some_transform().translation));
 }
 
+TEST_P(RosMessages, WhatAnInertialSensorFeltIsReadBack) {
+  const Channel channel = channel_of("sensor_msgs/Imu", GetParam());
+  const Bytes bytes =
+      write_inertial(GetParam(), {{kTime, "imu"}, {kTime, {0.1, 0.2, 0.3}, {1, 2, 9.5}}});
+  const auto read = decode_inertial(channel, bytes);
+  ASSERT_OK(read);
+  EXPECT_EQ(read->header.frame, "imu");
+  EXPECT_EQ(read->sample.timestamp_ns, kTime);
+  EXPECT_EQ(read->sample.turning_rad_s, Eigen::Vector3d(0.1, 0.2, 0.3));
+  EXPECT_EQ(read->sample.force_m_s2, Eigen::Vector3d(1, 2, 9.5));
+  EXPECT_EQ(header_time(channel, bytes), kTime);
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_ERROR(decode_inertial(channel, std::span(bytes).first(size)), "cut off");
+}
+
 TEST_P(RosMessages, WhatIsCutOffIsRefused) {
   const Bytes image = write_image(GetParam(), some_image());
   const Bytes camera = write_camera_info(GetParam(), some_camera());

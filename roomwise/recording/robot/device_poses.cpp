@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "roomwise/recording/inertial_file.h"
 #include "roomwise/recording/robot/streams.h"
 
 namespace roomwise::recording {
@@ -138,6 +139,44 @@ DevicePoses find_device_poses(const MessageLog& log, const TransformTree& tree,
     if (world_from_camera) found.poses.push_back({time, *world_from_camera});
   }
   return found;
+}
+
+geometry::InertialTrack find_inertial(const MessageLog& log, const TransformTree& tree,
+                                      const std::string& camera_frame,
+                                      std::vector<std::string>& notes) {
+  std::optional<std::size_t> channel;
+  for (std::size_t i = 0; i < log.channels().size(); ++i) {
+    if (log.channels()[i].type != MessageType::kInertial) continue;
+    if (!channel || log.messages(i).size() > log.messages(*channel).size()) channel = i;
+  }
+  if (!channel || log.messages(*channel).empty()) return {};
+  const std::string& topic = log.channels()[*channel].topic;
+  InertialSamples samples(topic, /*tells_turns=*/true);
+  bool is_connected = true;
+  for (const MessagePlace& place : log.messages(*channel)) {
+    const std::string when = format_timestamp(place.timestamp_ns) + " s";
+    auto message = log.read(place).and_then(
+        [&](const Bytes& bytes) { return decode_inertial(log.channels()[*channel], bytes); });
+    if (!message) {
+      samples.leave_out(when + ": " + message.error().message);
+      continue;
+    }
+    geometry::InertialSample& sample = message->sample;
+    const auto camera_from_imu =
+        tree.look_up(camera_frame, message->header.frame, sample.timestamp_ns);
+    is_connected = is_connected && camera_from_imu;
+    if (camera_from_imu) {
+      sample.turning_rad_s = camera_from_imu->rotation * sample.turning_rad_s;
+      sample.force_m_s2 = camera_from_imu->rotation * sample.force_m_s2;
+    }
+    samples.add(sample, when);
+  }
+  if (!is_connected) {
+    notes.push_back(fmt::format(
+        "{}: no transform says how the sensor is turned to the camera: it is taken as not turned",
+        topic));
+  }
+  return std::move(samples).finish(notes);
 }
 
 }  // namespace roomwise::recording

@@ -226,6 +226,8 @@ Expected<std::unique_ptr<Recording>> open_log(std::string kind, MessageLog whole
   DevicePoses found = find_device_poses(*log, tree, pair.color.frame, colors.times);
   contents.poses_are_device_motion = found.are_odometry;
   contents.device_poses = std::move(found.poses);
+  if (!contents.poses_are_device_motion || contents.device_poses.empty())
+    contents.inertial = find_inertial(*log, tree, pair.color.frame, contents.notes);
   return std::unique_ptr<Recording>(new RobotRecording(std::move(contents), log, std::move(pair),
                                                        camera, std::move(colors),
                                                        std::move(depth_of_color)));

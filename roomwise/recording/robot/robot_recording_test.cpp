@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <numbers>
 #include <thread>
 
 #include "roomwise/base/testing/testing.h"
@@ -211,6 +212,51 @@ TEST_F(RobotTest, TransformsTellPosesWhereTheyMoveTheRobot) {
     ASSERT_THAT((*opened)->device_poses(), SizeIs(3));
     EXPECT_NEAR((*opened)->device_poses()[2].world_from_camera.translation.x(), 20.7, 1e-9);
   }
+}
+
+// A camera that stands still, in whose frame the sensor lies a quarter turn about z.
+TEST_F(RobotTest, AnInertialSensorIsReadInTheCamerasFrame) {
+  for (const bool is_connected : {true, false}) {
+    RobotLog log;
+    log.info("/camera/camera_info", "color");
+    log.color("/camera/rgb", kStart, "color").depth("/camera/depth", kStart, "color");
+    const Eigen::Quaterniond quarter(
+        Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ()));
+    const TransformMessage turned{{kStart, "color"}, "imu", {quarter, {0.1, 0, 0}}};
+    if (is_connected) {
+      log.add("/tf_static", "tf2_msgs/TFMessage", kStart,
+              write_transforms(Encoding::kRos1, {turned}));
+    }
+    for (int i = 0; i < 3; ++i) {
+      const TimestampNs time = kStart + i * kTenth / 20;
+      const InertialMessage one{{time, "imu"}, {time, {0.5, 0, 0}, {9.8, 0, 0}}};
+      log.add("/imu", "sensor_msgs/Imu", time, write_inertial(Encoding::kRos1, one));
+    }
+    const auto opened = open(log);
+    ASSERT_OK(opened);
+    const geometry::InertialTrack& felt = (*opened)->inertial();
+    ASSERT_THAT(felt.samples(), SizeIs(3));
+    EXPECT_TRUE(felt.tells_turns());
+    const Eigen::Vector3d expected =
+        is_connected ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();
+    EXPECT_TRUE(felt.samples()[2].turning_rad_s.isApprox(0.5 * expected));
+    EXPECT_TRUE(felt.samples()[2].force_m_s2.isApprox(9.8 * expected));
+    EXPECT_EQ(std::ranges::count_if((*opened)->notes(),
+                                    [](const std::string& note) {
+                                      return note.find("how the sensor is turned") !=
+                                             std::string::npos;
+                                    }),
+              is_connected ? 0 : 1);
+  }
+}
+
+TEST_F(RobotTest, OdometryHoldsWhatAnInertialSensorFelt) {
+  RobotLog log = robot_with_a_head(0);
+  log.add("/imu", "sensor_msgs/Imu", kStart,
+          write_inertial(Encoding::kRos1, {{kStart, "base"}, {kStart, {}, {0, 0, 9.8}}}));
+  const auto opened = open(log);
+  ASSERT_OK(opened);
+  EXPECT_TRUE((*opened)->inertial().empty());
 }
 
 TEST_F(RobotTest, CompressedImagesAreKeptAsTheyCame) {

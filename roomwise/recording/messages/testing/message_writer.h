@@ -56,6 +56,20 @@ inline Bytes write_image(Encoding encoding, const ImageMessage& image) {
   return out.take();
 }
 
+inline Bytes write_inertial(Encoding encoding, const InertialMessage& inertial) {
+  RosWriter out(encoding);
+  out.header(inertial.header);
+  const auto numbers = [&](int count) {
+    for (int i = 0; i < count; ++i) out.number<double>(0.5);
+  };
+  numbers(4 + 9);
+  for (const double number : inertial.sample.turning_rad_s) out.number<double>(number);
+  numbers(9);
+  for (const double number : inertial.sample.force_m_s2) out.number<double>(number);
+  numbers(9);
+  return out.take();
+}
+
 inline Bytes write_compressed_image(Encoding encoding, const CompressedImageMessage& image) {
   return RosWriter(encoding).header(image.header).text(image.format).blob(image.data).take();
 }
