@@ -18,6 +18,7 @@ void add_own_things_command(CLI::App& app, Context& context);
 void add_paper_command(CLI::App& app, Context& context);
 void add_study_commands(CLI::App& app, Context& context);  // study, study-task, study-table
 void add_simulate_command(CLI::App& app, Context& context);
+void add_simulate_inertial_command(CLI::App& app, Context& context);
 void add_simulate_odometry_command(CLI::App& app, Context& context);
 void add_simulate_views_command(CLI::App& app, Context& context);
 

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   context.prepare = add_own_kinds;
 
   add_simulate_command(app, context);
+  add_simulate_inertial_command(app, context);
   add_simulate_odometry_command(app, context);
   add_simulate_views_command(app, context);
   add_fit_instances_command(app, context);

@@ -8,6 +8,9 @@ void add_laboratory_commands(CLI::App& app, Context& context) {
   add_command_elsewhere(app, context, "simulate",
                         "Record a walk through a made-up, furnished home, with its truth",
                         kLaboratory);
+  add_command_elsewhere(app, context, "simulate-inertial",
+                        "Give a recording with truth what an inertial sensor would have felt",
+                        kLaboratory);
   add_command_elsewhere(app, context, "simulate-odometry",
                         "Give a recording with truth what a device's own odometry would have said",
                         kLaboratory);

@@ -10,6 +10,7 @@
 #include "live_camera.h"
 #include "roomwise/base/calendar_time.h"
 #include "roomwise/recording/damage_tolerant_source.h"
+#include "roomwise/recording/inertial_file.h"
 #include "roomwise/recording/open_recording.h"
 #include "roomwise/recording/read_ahead_source.h"
 #include "roomwise/recording/room_labels.h"
@@ -118,6 +119,14 @@ Expected<void> copy_frames(recording::FrameSource& source, recording::TumWriter&
   return {};
 }
 
+// Nor is what an inertial sensor felt in the frames.
+Expected<void> copy_inertial(const recording::FrameSource& source, const RecordOptions& options) {
+  if (is_live_camera(options.source)) return {};
+  const auto& copied = dynamic_cast<const recording::Recording&>(source);
+  if (copied.inertial().empty()) return {};
+  return recording::write_inertial(options.output, copied.inertial(), "of " + source.info().name);
+}
+
 // A copy of a recording keeps what `eval trajectory --truth` takes of the recording itself: its
 // ground truth, else poses that were reconstructed from its pictures afterwards. The device's own
 // motion is kept with the frames.
@@ -159,6 +168,7 @@ Expected<Answer> run(const RecordOptions& options, Context& context) {
   context.progress.end();
   ROOMWISE_RETURN_IF_ERROR(writer->close());
   ROOMWISE_RETURN_IF_ERROR(copied);
+  ROOMWISE_RETURN_IF_ERROR(copy_inertial(*source, options));
   ROOMWISE_RETURN_IF_ERROR(copy_ground_truth(*source, options));
 
   const std::uint64_t lost = source->info().lost_frames;

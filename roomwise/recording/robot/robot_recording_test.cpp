@@ -253,7 +253,7 @@ TEST_F(RobotTest, AnInertialSensorIsReadInTheCamerasFrame) {
 TEST_F(RobotTest, OdometryHoldsWhatAnInertialSensorFelt) {
   RobotLog log = robot_with_a_head(0);
   log.add("/imu", "sensor_msgs/Imu", kStart,
-          write_inertial(Encoding::kRos1, {{kStart, "base"}, {kStart, {}, {0, 0, 9.8}}}));
+          write_inertial(Encoding::kRos1, {{kStart, "base"}, {kStart, {0, 0, 0}, {0, 0, 9.8}}}));
   const auto opened = open(log);
   ASSERT_OK(opened);
   EXPECT_TRUE((*opened)->inertial().empty());
