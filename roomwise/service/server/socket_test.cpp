@@ -143,7 +143,7 @@ TEST_F(SocketTest, PingsAndPongsCountAsMessages) {
   home_.options.limits.burst_messages = 3;
   home_.options.limits.rate_messages = 1;
   home_.start();
-  for (const char opcode : {9, 10}) {
+  for (const char opcode : {'\x09', '\x0A'}) {
     const auto client = raw();
     for (int i = 0; i < 3; ++i) client->send(frame(opcode, "p"));
     client->send(frame(1, "one more"));
@@ -172,7 +172,7 @@ TEST_F(SocketTest, EmptyPiecesOfAMessageCountAsMessages) {
   // A message in pieces that hold something counts as one.
   const auto client = raw();
   for (int message = 0; message < 10; ++message) {
-    for (int i = 0; i < 30; ++i) client->send(piece(i == 0 ? 1 : 0, "some", i == 29));
+    for (int i = 0; i < 30; ++i) client->send(piece(i == 0 ? '\1' : '\0', "some", i == 29));
   }
   EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.texts.size() == 10; }));
 }
