@@ -35,9 +35,6 @@ class HeardStream : public TlsStream {
 };
 
 // By which Beast ends it.
-void teardown(beast::role_type role, HeardStream& stream, error_code& error) {
-  beast::teardown(role, static_cast<TlsStream&>(stream), error);
-}
 template <typename Handler>
 void async_teardown(beast::role_type role, HeardStream& stream, Handler&& handler) {
   beast::async_teardown(role, static_cast<TlsStream&>(stream), std::forward<Handler>(handler));
