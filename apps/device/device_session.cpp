@@ -280,17 +280,19 @@ void DeviceSession::lead_again(TimestampNs now_ns) {
 void DeviceSession::take_recording(const service::RecordingState& recording, TimestampNs now_ns) {
   if (role_ != "device") return;  // helpers are told of all devices
   // It comes again with every frame.
-  const std::string before = std::exchange(recording_, recording.state);
-  if (before == recording.state) return;
+  const service::RecordingState before = std::exchange(recording_, recording);
+  if (before.state == recording.state) return;
   // It may have ended while the connection was lost.
-  const bool has_ended = before == "recording" && recording.state == "none";
+  const bool has_ended = before.state == "recording" && recording.state == "none";
   if (recording.state == "recording") {
     parts_.voice->notice("device.recording", guide::Sound::kAnswer, now_ns);
-  } else if (recording.state == "saved" || has_ended) {
-    parts_.voice->notice("device.recording_saved", guide::Sound::kAnswer, now_ns);
   } else if (recording.state == "failed") {
     std::cerr << "the recording failed: " << recording.text << '\n';
     parts_.voice->notice("device.recording_failed", guide::Sound::kAlert, now_ns);
+  } else if (recording.state == "empty" || (has_ended && before.frames == 0)) {
+    parts_.voice->notice("device.recording_empty", guide::Sound::kAlert, now_ns);
+  } else if (recording.state == "saved" || has_ended) {
+    parts_.voice->notice("device.recording_saved", guide::Sound::kAnswer, now_ns);
   }
 }
 
@@ -332,7 +334,7 @@ void DeviceSession::send_frames(TimestampNs now_ns) {
     parts_.voice->notice("device.connection_slow", guide::Sound::kAlert, now_ns);
   }
   // What is recorded must be whole, however long it takes.
-  parts_.camera->send_small(link_.is_slow() && recording_ != "recording");
+  parts_.camera->send_small(link_.is_slow() && recording_.state != "recording");
   if (auto frame = parts_.camera->take()) link_.offer(frame->t_ms, std::move(frame->message));
   if (!connection_) return;
   if (auto bytes = link_.next_frame(steady_s(now_ns))) {

@@ -96,7 +96,7 @@ class DeviceSession : private Interruption {
   Led led_before_;             // holds again where the goal that was asked for last is not known
   bool can_localize_ = false;  // the computer
   std::string role_;           // of this device
-  std::string recording_;      // its last state
+  service::RecordingState recording_;  // the last that was told
   std::uint64_t prompts_ = 0;
   bool camera_failed_ = false;
   bool buttons_lost_ = false;

@@ -712,11 +712,16 @@ TEST_F(DeviceSessionTest, TellsThatItIsRecorded) {
   send("none");
   send("recording");
   EXPECT_TRUE(hears_last("Recording."));
+  state.frames = 0;
+  send("empty");
+  EXPECT_TRUE(hears_last("Nothing was recorded."));
+  send("recording");
+  EXPECT_TRUE(hears_last("Recording."));
   send("none");
   EXPECT_TRUE(hears_last("The recording is saved.")) << "it ended while nobody could say so";
   type("x");
   running.join();
-  EXPECT_EQ(speaker_->times("Recording."), 3);
+  EXPECT_EQ(speaker_->times("Recording."), 4);
 }
 
 TEST_F(DeviceSessionTest, TellsOnceThatItWasRemoved) {

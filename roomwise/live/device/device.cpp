@@ -912,6 +912,7 @@ void Device::store(const CameraFrame& frame) {
 void Device::record_to(std::shared_ptr<WalkRecorder> recorder) {
   const std::scoped_lock lock(mutex_);
   recorder_ = std::move(recorder);
+  storing_fails_ = false;
 }
 
 // ---- from the home ----

@@ -1303,16 +1303,28 @@ TEST_F(DeviceTest, RoomsAreNamedWhileAWalkIsRecorded) {
   const auto thanks = wire->take<service::PromptMessage>();
   ASSERT_THAT(thanks, SizeIs(1));
   EXPECT_EQ(thanks[0].message_id, "room.named");
-  show(2);  // without depth: it cannot be stored, and that is told
+  show(2);  // without depth: it is left out
   ASSERT_THAT(host.recordings, SizeIs(1));
-  EXPECT_EQ(host.recordings[0].state, "failed");
-  EXPECT_EQ(host.recordings[0].device, 3);
-  show(3);  // not again with every frame
-  EXPECT_THAT(host.recordings, SizeIs(1));
+  EXPECT_EQ(host.recordings[0].state, "recording");
+  EXPECT_EQ(host.recordings[0].frames, 0U);
+  const auto show_damaged = [&](double t_ms) {
+    const Bytes color = image::encode_jpeg(image::ColorImage(8, 6), 90), depth{1, 2, 3};
+    device->on_message(write(service::FrameMessage{t_ms, color, depth}));
+  };
+  show_damaged(3);
+  ASSERT_THAT(host.recordings, SizeIs(2));
+  EXPECT_EQ(host.recordings[1].state, "failed");
+  EXPECT_EQ(host.recordings[1].device, 3);
+  show_damaged(4);  // not again with every frame
+  EXPECT_THAT(host.recordings, SizeIs(2));
   EXPECT_THAT(host.not_stored, SizeIs(1));
   ASSERT_OK((*recorder)->close());
-  show(4);
-  EXPECT_THAT(host.recordings, SizeIs(1)) << "whoever closed it told so";
+  show(5);
+  EXPECT_THAT(host.recordings, SizeIs(2)) << "whoever closed it told so";
+  // What failed of one recording is told of the next one, too.
+  device->record_to(WalkRecorder::begin(folder / "next", {8, 6, pinhole, true}, 0).value());
+  show_damaged(6);
+  EXPECT_THAT(host.recordings, SizeIs(3));
 }
 
 }  // namespace

@@ -5,11 +5,13 @@
 #include <map>
 #include <ranges>
 
+#include "roomwise/base/file.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/pipeline/edits/walk_edits.h"
 #include "roomwise/pipeline/objects/changed_networks.h"
 #include "roomwise/pipeline/objects/thing_history.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/recording/data_lines.h"
 #include "roomwise/recording/open_recording.h"
 
 namespace roomwise::live {
@@ -23,6 +25,12 @@ fs::file_time_type time_of_walk(const fs::path& walk) {
   std::error_code error;
   const fs::path list = walk / "rgb.txt";  // of a recording that grew
   return fs::last_write_time(fs::exists(list, error) ? list : walk, error);
+}
+
+// A recording that was begun, and to which nothing was stored.
+bool is_empty(const fs::path& walk) {
+  const auto list = read_text_file(walk / "rgb.txt");
+  return list && recording::data_lines(*list).empty();
 }
 
 }  // namespace
@@ -231,15 +239,28 @@ void LiveHome::tell_of_recording(std::int64_t device, const service::RecordingSt
   }
 }
 
-void LiveHome::tell_what_is_recorded(Device& device) const {
-  const service::Identity& who = device.who();
-  // Under the lock, so that the recording's end is told after this.
-  const std::scoped_lock lock(devices_mutex_);
-  const bool is_own = recorder_ && recording_device_ == who.device;
-  if (!is_own) device.send(service::RecordingState{who.device, "none", "", 0, ""});
-  if (!is_own && (!recorder_ || who.role != service::Role::kHelper)) return;
-  device.send(service::RecordingState{recording_device_, "recording", recorder_->name(),
-                                      recorder_->frames(), ""});
+void LiveHome::tell_what_is_recorded(Device& device) {
+  const service::Identity who = device.who();
+  const auto camera = device.camera();
+  service::RecordingState state;
+  {
+    // Under the lock, so that the recording's end is told after this.
+    const std::scoped_lock lock(devices_mutex_);
+    const bool is_own = recorder_ && recording_device_ == who.device;
+    if (!is_own) device.send(service::RecordingState{who.device, "none", "", 0, ""});
+    if (!is_own && (!recorder_ || who.role != service::Role::kHelper)) return;
+    state = {recording_device_, "recording", recorder_->name(), recorder_->frames(), ""};
+    if (!is_own || is_camera_of_recording(camera)) return device.send(state);
+  }
+  state.state = "failed";
+  state.text =
+      "the device came back with another camera than the recording began with, and is not "
+      "recorded; end the recording and begin another";
+  recorded(device, state);
+}
+
+bool LiveHome::is_camera_of_recording(const std::optional<service::DeviceCamera>& camera) const {
+  return recorder_ && camera && camera->calibrated == recorder_->camera();
 }
 
 std::shared_ptr<WalkRecorder> LiveHome::recorder_for(const Device& device) {
@@ -248,16 +269,14 @@ std::shared_ptr<WalkRecorder> LiveHome::recorder_for(const Device& device) {
   {
     const std::scoped_lock lock(devices_mutex_);
     // Another camera's frames would make a wrong map.
-    const bool is_same = recorder_ && device.who().device == recording_device_ && camera &&
-                         camera->calibrated == recorder_->camera();
-    if (!is_same) return nullptr;
+    const bool is_own = device.who().device == recording_device_;
+    if (!is_own || !is_camera_of_recording(camera)) return nullptr;
     recorder = recorder_;
   }
   // What is still on its way by an older connection is of another clock.
   for (const auto& one : all_devices()) {
     if (one.get() != &device && one->who().device == device.who().device) one->record_to(nullptr);
   }
-  recorder->device_came_anew();
   return recorder;
 }
 
@@ -412,7 +431,7 @@ Expected<std::vector<fs::path>> LiveHome::waiting_walks(const std::set<fs::path>
     if (is_being_made || failed.contains(entry.path())) continue;
     if (recording::find_recording_kind(entry.path()) == nullptr) continue;
     ROOMWISE_TRY(const bool is_mapped, has_recording_of(entry.path()));
-    if (!is_mapped) by_time.emplace(time_of_walk(entry.path()), entry.path());
+    if (!is_mapped && !is_empty(entry.path())) by_time.emplace(time_of_walk(entry.path()), entry.path());
   }
   std::vector<fs::path> waiting;
   if (unfinished) waiting.push_back(*unfinished);

@@ -252,7 +252,10 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // Helpers and the device whose frames are recorded.
   void tell_of_recording(std::int64_t device, const service::RecordingState& state);
   // To a device that came, also that nothing is: the end may have been told while it was away.
-  void tell_what_is_recorded(Device& device) const;
+  void tell_what_is_recorded(Device& device);
+  // With devices_mutex_ held.
+  [[nodiscard]] bool is_camera_of_recording(
+      const std::optional<service::DeviceCamera>& camera) const;
   void left(const std::shared_ptr<Device>& device);
   [[nodiscard]] Expected<void> check_idle() const;
   // Counts and tells what failed because of a full disk or damage. Else people were told all there

@@ -55,6 +55,20 @@ std::optional<JobEnd> why_not_learned(const std::map<std::string, std::size_t>& 
   return end;
 }
 
+// What is told of a recording that was closed.
+service::RecordingState end_of_recording(const WalkRecorder& recorder, std::int64_t device,
+                                         const Expected<void>& closed) {
+  const std::uint64_t frames = recorder.frames(), without_depth = recorder.without_depth();
+  service::RecordingState state{device, "saved", recorder.name(), frames, ""};
+  if (without_depth > 0) {
+    state.text = fmt::format("{} frames had no depth and were left out", without_depth);
+  }
+  if (closed && frames > 0) return state;
+  state.state = closed ? "empty" : "failed";
+  if (!closed) state.text = closed.error().message;
+  return state;
+}
+
 JobEnd map_is_ready() {
   return {"places can be found on the map now", "prepared"};
 }
@@ -243,6 +257,8 @@ Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string&
     recording_device_ = device;
     return {};
   }));
+  // Before the first frame comes: who is recorded is to know it, and sends whole frames from now on.
+  recorded(**found, {device, "recording", recorder->name(), 0, ""});
   (*found)->record_to(recorder);
   // Where that cannot be now, it is done at the end.
   static_cast<void>(start_mapping(recorder));
@@ -270,12 +286,10 @@ Expected<void> LiveHome::end_recording() {
   }
   {
     const std::scoped_lock one_by_one(telling_mutex_);
-    tell_of_recording(recorded, service::RecordingState{recorded, closed ? "saved" : "failed",
-                                                        recorder->name(), recorder->frames(),
-                                                        closed ? "" : closed.error().message});
+    tell_of_recording(recorded, end_of_recording(*recorder, recorded, closed));
   }
   ROOMWISE_RETURN_IF_ERROR(closed);
-  if (is_being_mapped) return {};
+  if (is_being_mapped || recorder->frames() == 0) return {};
   const auto map = [this, folder = recorder->folder()](Progress& progress) {
     return map_folder(folder, progress);
   };
@@ -321,6 +335,9 @@ Expected<void> LiveHome::start_mapping(std::shared_ptr<const WalkRecorder> walk)
   grows(walk);
   Expected<void> started = jobs_->start("map", [this, walk, grows](Progress& progress) {
     Expected<JobEnd> mapped = [&]() -> Expected<JobEnd> {
+      if (!walk->wait_for_frame(0, progress) && !progress.interrupted()) {
+        return JobEnd{"nothing was recorded", "nothing_waited"};
+      }
       ROOMWISE_TRY(const auto frames, WalkFrames::open(walk, progress));
       return map(walk->folder(), *frames, progress);
     }();

@@ -701,6 +701,9 @@ TEST_F(LiveHomeTest, ADeviceThatComesBackGoesOnRecording) {
   camera.fx += 20;
   hello.camera = service::DeviceCamera{camera.width, camera.height, camera, true};
   other.session->on_text(write(service::DeviceMessage(hello)));
+  const auto told = other.wire->next<service::RecordingState>();
+  EXPECT_EQ(told.state, "failed");
+  EXPECT_THAT(told.text, HasSubstr("another camera"));
   other.session->on_message(message_of(**walk.next()));
   other.session->on_closed();
   home.reset();
@@ -984,15 +987,39 @@ TEST_F(LiveHomeTest, NothingIsToldOfARecordingAfterItsEnd) {
     if (has_ended.exchange(true)) return;
     EXPECT_OK(home->end_recording());
   };
+  EXPECT_EQ(belt.wire->next<service::RecordingState>().state, "recording");
   image::RgbdFrame frame = walk.next().value().value();
-  frame.depth = {};
-  belt.session->on_message(write(service::FrameMessage{
-      static_cast<double>(frame.timestamp_ns) / 1e6, image::encode_jpeg(frame.color, 95), {}}));
+  const Bytes color = image::encode_jpeg(frame.color, 95), damaged{1, 2, 3};
+  belt.session->on_message(write(service::FrameMessage{1, color, damaged}));
   EXPECT_TRUE(has_ended);
-  EXPECT_EQ(belt.wire->next<service::RecordingState>().state, "saved");
+  EXPECT_EQ(belt.wire->next<service::RecordingState>().state, "empty");
   EXPECT_EQ(belt.wire->count<service::RecordingState>(), 0);
   belt.session->on_closed();
   home.reset();
+}
+
+// Over a slow link a device sends pictures without depth until it hears that it is recorded.
+TEST_F(LiveHomeTest, ARecordingIsToldAsItBeginsAndOneWithoutFramesIsNone) {
+  open();
+  const Client belt = connect(7, service::Role::kDevice);
+  EXPECT_EQ(belt.wire->next<service::RecordingState>().state, "none");
+  ASSERT_OK(home->begin_recording(7, "walk"));
+  const auto begun = belt.wire->next<service::RecordingState>();
+  EXPECT_EQ(begun.state, "recording");
+  EXPECT_EQ(begun.name, "walk");
+  const Bytes color = image::encode_jpeg(walk.next().value().value().color, 95);
+  belt.session->on_message(write(service::FrameMessage{1, color, {}}));
+  EXPECT_EQ(belt.wire->next<service::RecordingState>().state, "recording");
+  ASSERT_OK(home->end_recording());
+  const auto ended = belt.wire->next<service::RecordingState>();
+  EXPECT_EQ(ended.state, "empty");
+  EXPECT_EQ(ended.frames, 0U);
+  EXPECT_EQ(ended.text, "1 frames had no depth and were left out");
+  home->jobs().wait();
+  EXPECT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
+  EXPECT_FALSE(home->walk_waits()) << "there is nothing to be mapped at the next start";
+  EXPECT_THAT(home->view()->walks, IsEmpty());
+  belt.session->on_closed();
 }
 
 // It may have ended, or begun, while a device was away.

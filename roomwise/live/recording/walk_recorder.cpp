@@ -9,6 +9,8 @@
 
 namespace roomwise::live {
 
+constexpr double kMinStep_ms = 1;  // between frames: a recording's stamps grow
+
 Expected<std::shared_ptr<WalkRecorder>> WalkRecorder::begin(const std::filesystem::path& folder,
                                                             const service::DeviceCamera& camera,
                                                             TimestampNs begun_ns) {
@@ -30,17 +32,20 @@ Expected<std::shared_ptr<WalkRecorder>> WalkRecorder::begin(const std::filesyste
 Expected<bool> WalkRecorder::store(const CameraFrame& frame) {
   const std::scoped_lock lock(mutex_);
   if (closed_) return false;
-  if (std::exchange(may_begin_anew_, false) && last_t_ms_ && frame.t_ms <= *last_t_ms_) {
-    const double between_ms = std::max(1.0, 1e3 * seconds_since(last_came_));
-    *first_t_ms_ += frame.t_ms - *last_t_ms_ - between_ms;
-    last_t_ms_.reset();
+  if (frame.depth.empty()) {
+    ++without_depth_;
+    return true;
   }
-  if (last_t_ms_ && frame.t_ms <= *last_t_ms_) return true;
-  if (frame.depth.empty()) return fail("the frame has no depth image; a map needs one");
+  // A connection keeps the order of what is sent: the clock stands, went back or began anew.
+  std::optional<double> first_t_ms = first_t_ms_;
+  if (last_t_ms_ && frame.t_ms < *last_t_ms_ + kMinStep_ms) {
+    const double between_ms = std::max(kMinStep_ms, 1e3 * seconds_since(last_came_));
+    *first_t_ms += frame.t_ms - *last_t_ms_ - between_ms;
+  }
   image::RgbdFrame rgbd;
   rgbd.index = writer_->frames_written();
   rgbd.timestamp_ns =
-      begun_ns_ + std::llround((frame.t_ms - first_t_ms_.value_or(frame.t_ms)) * 1e6);
+      begun_ns_ + std::llround((frame.t_ms - first_t_ms.value_or(frame.t_ms)) * 1e6);
   auto images = images_of(frame, {camera_.width, camera_.height, camera_, true});
   if (!images) return Unexpected(std::move(images).error());
   rgbd.color = std::move(images->color);
@@ -54,16 +59,11 @@ Expected<bool> WalkRecorder::store(const CameraFrame& frame) {
     covariance = frame.pose->covariance;
   }
   ROOMWISE_RETURN_IF_ERROR(writer_->write(rgbd, covariance));
-  if (!first_t_ms_) first_t_ms_ = frame.t_ms;
+  first_t_ms_ = first_t_ms.value_or(frame.t_ms);
   last_t_ms_ = frame.t_ms;
   last_came_ = std::chrono::steady_clock::now();
   grown_.notify_all();
   return true;
-}
-
-void WalkRecorder::device_came_anew() {
-  const std::scoped_lock lock(mutex_);
-  may_begin_anew_ = true;
 }
 
 Expected<void> WalkRecorder::name_room(const std::string& room) {
@@ -83,6 +83,11 @@ Expected<void> WalkRecorder::close() {
 std::uint64_t WalkRecorder::frames() const {
   const std::scoped_lock lock(mutex_);
   return writer_->frames_written();
+}
+
+std::uint64_t WalkRecorder::without_depth() const {
+  const std::scoped_lock lock(mutex_);
+  return without_depth_;
 }
 
 bool WalkRecorder::wait_for_frame(std::uint64_t index, const Interruption& interruption) const {

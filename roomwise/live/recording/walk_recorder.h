@@ -26,19 +26,18 @@ class WalkRecorder {
       TimestampNs begun_ns);
 
   // Stores a frame before it returns, as the hello's camera takes it (images_of()) and with what
-  // the device knew of its motion; frames that are not newer than the last are left out. False
-  // where the recording is closed. Fails on pictures that cannot be read and on a full disk; the
-  // frame is then not stored, the ones before it are.
+  // the device knew of its motion. Frames without depth are counted alone: nothing could be mapped
+  // by them. Where the device's clock does not go forward (it stands, was set, or began anew, as
+  // that of a page which is loaded again), the time that passed between the frames here counts.
+  // False where the recording is closed. Fails on pictures that cannot be read and on a full disk;
+  // the frame is then not stored, the ones before it are.
   [[nodiscard]] Expected<bool> store(const CameraFrame& frame);
-  // The device has a new connection, and its clock may have begun anew, as a page's does that is
-  // loaded again: where the next frame is not newer than the last, the time that passed between
-  // them here counts.
-  void device_came_anew();
   // What is stored from now on shows this room.
   [[nodiscard]] Expected<void> name_room(const std::string& room);
   [[nodiscard]] Expected<void> close();  // one that failed can be tried again
 
-  [[nodiscard]] std::uint64_t frames() const;
+  [[nodiscard]] std::uint64_t frames() const;         // that were stored
+  [[nodiscard]] std::uint64_t without_depth() const;  // those that were not
   // Waits until the frame of that number is stored. False where none will be: the recording is
   // closed, or `interruption` says so, which is asked ten times a second.
   [[nodiscard]] bool wait_for_frame(std::uint64_t index, const Interruption& interruption) const;
@@ -60,10 +59,10 @@ class WalkRecorder {
   mutable std::condition_variable grown_;  // or closed
   std::unique_ptr<recording::TumWriter> writer_;
   TimestampNs begun_ns_ = 0;
-  // By the device's clock; first_t_ms_ is moved where that begins anew.
+  // By the device's clock; first_t_ms_ is moved where that does not go forward.
   std::optional<double> first_t_ms_, last_t_ms_;
   std::chrono::steady_clock::time_point last_came_;
-  bool may_begin_anew_ = false;
+  std::uint64_t without_depth_ = 0;
   bool closed_ = false;
 };
 

@@ -64,18 +64,17 @@ TEST_F(WalkRecorderFolder, AFrameWithoutAPoseIsStoredWithout) {
   EXPECT_TRUE(frames[1].device_motion);
 }
 
-// As where a phone's page is loaded again.
-TEST_F(WalkRecorderFolder, ADeviceThatCameAnewMayBeginItsClockAnew) {
+// As where a phone's page is loaded again, or a clock is set, or is too coarse.
+TEST_F(WalkRecorderFolder, AClockThatDoesNotGoForwardLosesNoFrame) {
   ASSERT_OK(recorder->store(phone_frame(5000, {0, 0, 0})));
   ASSERT_OK(recorder->store(phone_frame(5100, {0, 0, 1})));
-  recorder->device_came_anew();
   ASSERT_OK(recorder->store(phone_frame(10, {0, 0, 2})));
-  ASSERT_OK(recorder->store(phone_frame(10, {0, 0, 2})));  // not newer: left out
   ASSERT_OK(recorder->store(phone_frame(210, {0, 0, 3})));
-  recorder->device_came_anew();
-  ASSERT_OK(recorder->store(phone_frame(910, {0, 0, 4})));  // its clock went on
+  ASSERT_OK(recorder->store(phone_frame(910, {0, 0, 4})));
+  ASSERT_OK(recorder->store(phone_frame(910, {0, 0, 5})));
   const auto frames = stored();
-  ASSERT_EQ(frames.size(), 5U);
+  ASSERT_EQ(frames.size(), 6U);
+  EXPECT_GT(frames[5].timestamp_ns, frames[4].timestamp_ns);
   EXPECT_GT(frames[2].timestamp_ns, frames[1].timestamp_ns);
   EXPECT_NEAR(static_cast<double>(frames[3].timestamp_ns - frames[2].timestamp_ns), 200e6, 1e3);
   EXPECT_NEAR(static_cast<double>(frames[4].timestamp_ns - frames[3].timestamp_ns), 700e6, 1e3);
@@ -85,10 +84,17 @@ TEST_F(WalkRecorderFolder, WhatCannotBeReadIsNotStored) {
   CameraFrame frame = phone_frame(1, {0, 0, 0});
   frame.depth_size = service::ImageSize{17, 12};
   EXPECT_ERROR(recorder->store(frame), "depth image has 16 x 12");
-  frame.depth.clear();
-  EXPECT_ERROR(recorder->store(frame), "no depth image");
   EXPECT_EQ(recorder->frames(), 0U);
   EXPECT_FALSE(std::filesystem::exists(folder / "walk/odometry.txt"));
+}
+
+TEST_F(WalkRecorderFolder, FramesWithoutDepthAreLeftOutAndCounted) {
+  CameraFrame flat = phone_frame(1, {0, 0, 0});
+  flat.depth.clear();
+  ASSERT_OK(recorder->store(flat));
+  ASSERT_OK(recorder->store(phone_frame(2, {0, 0, 0})));
+  EXPECT_EQ(recorder->frames(), 1U);
+  EXPECT_EQ(recorder->without_depth(), 1U);
 }
 
 class StoppedAtWill final : public Interruption {

@@ -238,7 +238,7 @@ struct PromptMessage {
 
 struct RecordingState {
   std::int64_t device = 0;
-  std::string state;  // "recording", "saved", "failed"; "none": this device is not recorded
+  std::string state;  // "recording", "saved", "empty", "failed"; "none": it is not recorded
   std::string name;
   std::uint64_t frames = 0;
   std::string text;

@@ -18,6 +18,7 @@ const kSounds: Partial<Record<SpokenKey, Sound>> = {
   'device.removed': 'alert',
   'device.failed': 'unsure',
   'device.one_moment': 'none',
+  'device.recording_empty': 'alert',
   'device.recording_failed': 'alert',
 };
 const kValidMs = 10_000;

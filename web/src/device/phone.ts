@@ -470,7 +470,7 @@ export class Phone {
     this.state.recording = state === 'recording' ? name : null;
     this.state.pictures = frames;
     this.whenRecording(state);
-    if (state === 'saved' || state === 'failed') {
+    if (state === 'saved' || state === 'empty' || state === 'failed') {
       this.say(`device.recording_${state}`);
     } else if (state === 'recording' && before === null) {
       this.say('device.recording');

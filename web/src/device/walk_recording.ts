@@ -29,7 +29,7 @@ export class WalkRecording {
     phone.whenRecording = (state) => {
       const isMissed = state === 'none' && this.isRecorded; // it ended while the phone was away
       this.isRecorded = state === 'recording' || state === 'failed'; // a picture that could not be stored ends nothing
-      if (state === 'saved' || isMissed) { // by a helper, perhaps
+      if (state === 'saved' || state === 'empty' || isMissed) { // by a helper, perhaps
         this.phone.setWaits(false);
         void this.endSession();
       }

@@ -75,7 +75,7 @@ function freeName(base: string, taken: readonly string[]): string {
   }
 }
 
-function wordsOf(recording: { state: 'recording' | 'saved' | 'failed'; name: string; frames: number; text: string }): string {
+function wordsOf(recording: { state: 'recording' | 'saved' | 'empty' | 'failed'; name: string; frames: number; text: string }): string {
   const state = text(`record.state_${recording.state}`, { name: recording.name });
   return [state, counted('home.frames', recording.frames), recording.text].filter((part) => part !== '').join(', ');
 }

@@ -77,7 +77,7 @@ export interface Seen {
 export interface RecordingState {
   type: 'recording';
   device: number; // whose frames are stored
-  state: 'recording' | 'saved' | 'failed';
+  state: 'recording' | 'saved' | 'empty' | 'failed';
   name: string;
   frames: number;
   text: string;
