@@ -211,7 +211,7 @@ class Guidance {
     std::optional<std::string> room;  // of which was told
   };
 
-  const Wording wording_;
+  Wording wording_;
   BarredFloor floor_;
   FollowedWay way_;
   State state_ = State::kBeginning;

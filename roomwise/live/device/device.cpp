@@ -196,6 +196,8 @@ void Device::on_message(Bytes bytes) {
                     read->camera,
                     read->depth_size,
                     read->pose};
+  const Clock::time_point came = Clock::now();
+  frame.came_s = to_ms(came) / 1000;
   store(frame);
   service::FrameArrived arrived{frame.t_ms, 0};
   {
@@ -203,7 +205,7 @@ void Device::on_message(Bytes bytes) {
     heard_at(frame.t_ms);
     if (newest_) ++dropped_;
     newest_ = std::move(frame);
-    newest_came_ = Clock::now();
+    newest_came_ = came;
     arrived.dropped = dropped_;
   }
   send(arrived);

@@ -1,5 +1,6 @@
 #include "roomwise/live/device/frame_processor.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace roomwise::live {
@@ -39,20 +40,19 @@ guide::Pose CameraPose::on_floor() const {
 }
 
 Expected<std::optional<rooms::RoomDecision>> FrameProcessor::decide(
-    const image::ColorImage& color, double t_ms, const std::optional<mapping::Localization>& answer,
+    const image::ColorImage& color, const std::optional<mapping::Localization>& answer,
     bool has_depth, const std::shared_ptr<const HomeView>& home) {
   if (!home->recognizer) return std::optional<rooms::RoomDecision>();
   const pipeline::RoomRecognizer& recognizer = *home->recognizer;
-  double elapsed_s = last_t_ms_ ? (t_ms - *last_t_ms_) / 1000 : 0;
-  if (stream_recognizer_ != home->recognizer || !(elapsed_s >= 0 && elapsed_s < kForgetAfter_s)) {
+  double elapsed_s = decided_s_ ? passed_s_ - *decided_s_ : 0;
+  if (stream_recognizer_ != home->recognizer || !(elapsed_s < kForgetAfter_s)) {
     stream_ = recognizer.stream();
     stream_recognizer_ = home->recognizer;
-    last_t_ms_.reset();
     elapsed_s = 0;
   }
   ROOMWISE_TRY(const auto seen, recognizer.features().predict(color));
   ROOMWISE_TRY(const rooms::PictureEvidence evidence, recognizer.evidence(seen));
-  last_t_ms_ = t_ms;
+  decided_s_ = passed_s_;
   pipeline::RoomRecognizer::Localize localize;
   // What a picture alone does not tell of the place is no evidence of its own.
   if (answer && !answer->is_carried) {
@@ -89,12 +89,10 @@ Expected<std::optional<mapping::Localization>> FrameProcessor::locate(
 // picture is compared at, and this how often.
 Expected<void> FrameProcessor::look_for_own_things(const FrameImages& images, const HomeView& home,
                                                    FrameResult& result) {
-  constexpr double kBetweenLooks_ms = 1000;
+  constexpr double kBetweenLooks_s = 1;
   if (home.own_thing_watch == nullptr) return {};
-  const bool has_just_looked = looked_for_own_t_ms_ && result.t_ms >= *looked_for_own_t_ms_ &&
-                               result.t_ms - *looked_for_own_t_ms_ < kBetweenLooks_ms;
-  if (has_just_looked) return {};
-  looked_for_own_t_ms_ = result.t_ms;
+  if (looked_for_own_s_ && passed_s_ - *looked_for_own_s_ < kBetweenLooks_s) return {};
+  looked_for_own_s_ = passed_s_;
   ROOMWISE_TRY(const auto found, home.own_thing_watch->look(images.color));
   for (const pipeline::FoundOwnThing& one : found) {
     SeenOwnThing seen{one.id, std::nullopt, std::nullopt};
@@ -113,6 +111,11 @@ Expected<void> FrameProcessor::look_for_own_things(const FrameImages& images, co
 Expected<FrameResult> FrameProcessor::look(CameraFrame frame,
                                            const std::shared_ptr<const HomeView>& home) {
   if (!camera_) return fail("this device said in its hello that it has no camera");
+  if (last_) {
+    const double by_device_s = (frame.t_ms - last_->t_ms) / 1000;
+    passed_s_ += std::max({0.0, by_device_s, frame.came_s - last_->came_s});
+  }
+  last_ = {frame.t_ms, frame.came_s};
   ROOMWISE_TRY(FrameImages read, images_of(frame, *camera_));
   const auto images = std::make_shared<const FrameImages>(std::move(read));
   const image::ColorImage& color = images->color;
@@ -127,7 +130,7 @@ Expected<FrameResult> FrameProcessor::look(CameraFrame frame,
         home->map->frame.on_plan(answer->world_from_camera), answer->position_sigma_m(), {}};
     result.place->room = home->room_at(result.place->position_plan());
   }
-  ROOMWISE_TRY(result.decision, decide(color, frame.t_ms, answer, depth.has_value(), home));
+  ROOMWISE_TRY(result.decision, decide(color, answer, depth.has_value(), home));
   ROOMWISE_RETURN_IF_ERROR(look_for_own_things(*images, *home, result));
   if (depth) {
     ROOMWISE_TRY(const auto seen,

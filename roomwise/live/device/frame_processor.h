@@ -72,9 +72,8 @@ class FrameProcessor {
  private:
   // `answer`: the localiser's; nothing where it was not asked.
   [[nodiscard]] Expected<std::optional<rooms::RoomDecision>> decide(
-      const image::ColorImage& color, double t_ms,
-      const std::optional<mapping::Localization>& answer, bool has_depth,
-      const std::shared_ptr<const HomeView>& home);
+      const image::ColorImage& color, const std::optional<mapping::Localization>& answer,
+      bool has_depth, const std::shared_ptr<const HomeView>& home);
   [[nodiscard]] Expected<void> look_for_own_things(const FrameImages& images, const HomeView& home,
                                                    FrameResult& result);
   // Nothing where the home has no map.
@@ -87,11 +86,18 @@ class FrameProcessor {
   // Belongs to the recognizer with which it was made.
   std::optional<rooms::RoomStream> stream_;
   std::shared_ptr<const pipeline::RoomRecognizer> stream_recognizer_;
-  std::optional<double> last_t_ms_;  // of the last picture that it was shown
+  // Since the first picture. By the device's clock or the computer's, whichever tells of more: a
+  // device's may stand, be coarse or go back, and frames may come late and all at once.
+  double passed_s_ = 0;
+  struct Times {
+    double t_ms = 0, came_s = 0;
+  };
+  std::optional<Times> last_;         // picture
+  std::optional<double> decided_s_;   // when a picture last told of rooms
   // Of a calibrated camera, on the map of that localiser.
   mapping::PlaceTrack track_;
   std::shared_ptr<const pipeline::HomeLocalizer> track_localizer_;
-  std::optional<double> looked_for_own_t_ms_;
+  std::optional<double> looked_for_own_s_;
 };
 
 }  // namespace roomwise::live

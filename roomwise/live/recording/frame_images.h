@@ -16,6 +16,7 @@ struct CameraFrame {
   std::optional<geometry::PinholeCamera> camera = std::nullopt;
   std::optional<service::ImageSize> depth_size = std::nullopt;
   std::optional<service::FramePose> pose = std::nullopt;
+  double came_s = 0;  // when it came, by the computer's steady clock
 };
 
 // A frame's images as the camera of the device's hello takes them: of its size and intrinsics.
