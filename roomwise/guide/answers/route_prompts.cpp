@@ -24,13 +24,17 @@ const char* turn_message(double turn_rad) {
 
 std::vector<Prompt> route_prompts(const Route& route, const Pose& pose, const Noun& goal,
                                   std::span<const rooms::Doorway> doorways, const Wording& wording,
-                                  TimestampNs now_ns, std::span<const fusion::Staircase> stairs) {
+                                  TimestampNs now_ns, std::span<const fusion::Staircase> stairs,
+                                  Confidence confidence) {
   const double whole_m = length_m(route, stairs);
   const auto made = [&](std::size_t part, const std::string& message, const Values& values) {
-    return make_part(wording, "route", part, message, values, Confidence::kSure, now_ns,
+    return make_part(wording, "route", part, message, values, confidence, now_ns,
                      kDirectionValid_s, fmt::format("a way of {:.1f} m along free floor", whole_m));
   };
-  if (whole_m < kThere_m) return {made(0, "route.arrived", {{"goal", Nouns{goal}}})};
+  const bool is_sure = confidence == Confidence::kSure;
+  if (whole_m < kThere_m) {
+    return {made(0, is_sure ? "route.arrived" : "route.arrived_probable", {{"goal", Nouns{goal}}})};
+  }
   const std::vector<rooms::Doorway> doors = doors_of(doorways);  // legs point to them
   const std::vector<Leg> legs = legs_of(route, doors, stairs);
   std::vector<Prompt> prompts;
@@ -49,13 +53,21 @@ std::vector<Prompt> route_prompts(const Route& route, const Pose& pose, const No
     const bool is_last = i + 1 == legs.size();
     prompts.push_back(made(
         i,
-        is_last              ? "route.step_goal"
+        is_last && !is_sure  ? "route.step_goal_probable"
+        : is_last            ? "route.step_goal"
         : legs[i + 1].stairs ? stairs_message("stairs.route", *legs[i + 1].stairs)
         : leg.ends_at_door() ? "route.step_door"
                              : "route.step",
         {{"turn", turn}, {"distance", wording.distance(leg.length_m)}, {"goal", Nouns{goal}}}));
   }
   return prompts;
+}
+
+Prompt none_in_room_prompt(const Noun& thing, const std::string& room, const Wording& wording,
+                           TimestampNs now_ns) {
+  return make_prompt(wording, "thing " + thing.name, "where.unknown_in",
+                     {{"thing", Nouns{thing}}, {"room", guide::room(room)}}, Confidence::kSure,
+                     after(now_ns, kHomeValid_s), "the map has none of this name in that room");
 }
 
 Prompt no_route_prompt(bool has_pose, std::string because, const Wording& wording,

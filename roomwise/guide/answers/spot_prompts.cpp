@@ -15,6 +15,8 @@ std::string message_of(SpotStep step, bool has_name) {
       return "spot.not_sure";
     case SpotStep::kOtherName:
       return "teach.name";
+    case SpotStep::kBadName:
+      return "spot.bad_name";
     case SpotStep::kTooMany:
       return "spot.too_many";
     case SpotStep::kForgotten:

@@ -18,6 +18,7 @@ enum class SpotStep {
   kMarked,     // here, by a name or without one
   kNotSure,    // where one stands is not known well enough
   kOtherName,  // that name means something else
+  kBadName,    // it is too long to be spoken, or no words
   kTooMany,
   kForgotten,
   kNotErased,  // it is forgotten, and not erased yet

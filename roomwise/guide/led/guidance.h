@@ -87,6 +87,9 @@ class Guidance {
   // Since the home does not know the goal any more; what to say of it.
   [[nodiscard]] Prompt end_without_goal(TimestampNs now_ns);
 
+  // From now on, to who changed their language or how distances are told.
+  void speak_by(const Wording& wording) { wording_ = wording; }
+
   [[nodiscard]] State state() const { return state_; }
   [[nodiscard]] Course course() const;
   // From the newest place along the way; nothing where either is not known.

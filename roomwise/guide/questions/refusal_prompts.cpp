@@ -18,12 +18,12 @@ const std::string& example_of(const HomeNames& home) {
 
 class Refusal {
  public:
-  Refusal(const Wording& wording, TimestampNs now_ns) : wording_(wording), now_ns_(now_ns) {}
+  Refusal(const Wording& wording, TimestampNs now_ns, Confidence confidence, const char* because)
+      : wording_(wording), now_ns_(now_ns), confidence_(confidence), because_(because) {}
 
   void say(const std::string& message, const Values& values = {}) {
     prompts_.push_back(make_part(wording_, "ask", prompts_.size(), message, values,
-                                 Confidence::kUnsure, now_ns_, kHomeValid_s,
-                                 "what was asked is no question that can be answered"));
+                                 confidence_, now_ns_, kHomeValid_s, because_));
   }
   void say_examples(const HomeNames& home) {
     say("ask.examples");
@@ -42,6 +42,8 @@ class Refusal {
  private:
   const Wording& wording_;
   TimestampNs now_ns_;
+  Confidence confidence_;
+  const char* because_;
   std::vector<Prompt> prompts_;
 };
 
@@ -49,7 +51,7 @@ class Refusal {
 
 std::vector<Prompt> example_prompts(const HomeNames& home, const Wording& wording,
                                     TimestampNs now_ns) {
-  Refusal refusal(wording, now_ns);
+  Refusal refusal(wording, now_ns, Confidence::kSure, "these can be asked");
   refusal.say_examples(home);
   if (!home.rooms.empty()) refusal.say("ask.examples_spot");
   return refusal.take();
@@ -59,7 +61,8 @@ std::vector<Prompt> refusal_prompts(const Understood& heard, const HomeNames& ho
                                     const Wording& wording, TimestampNs now_ns,
                                     const Circumstances& now) {
   using Outcome = Understood::Outcome;
-  Refusal refusal(wording, now_ns);
+  Refusal refusal(wording, now_ns, Confidence::kUnsure,
+                  "what was asked is no question that can be answered");
   const bool is_help = heard.type == QuestionType::kHelp;
   if (heard.outcome == Outcome::kQuestion && (is_help || heard.type == QuestionType::kEmergency)) {
     refusal.say_emergency(now.room, is_help);

@@ -89,7 +89,9 @@ guide::Prompt where_am_i(const Situation& situation, const guide::Wording& wordi
   }
   const bool knows_rooms = home.recognizer != nullptr || (home.map && !home.rooms.empty());
   if (!knows_rooms) return unavailable("device.nothing_learned", wording, situation.now_t_ms);
-  if (result == nullptr) return no_picture(situation.settings, situation.now_t_ms);
+  if (result == nullptr) {
+    return no_picture(situation.had_pictures, wording, situation.now_t_ms);
+  }
   return unavailable("route.no_place", wording, situation.now_t_ms);
 }
 
@@ -110,11 +112,25 @@ std::optional<guide::Prompt> no_door(const service::Ask& ask, const HomeView& ho
   return guide::no_door_prompt(ask.in_room, ask.to_room, wording, now_ns);
 }
 
+// That the room in which a thing is asked for has none, where another one has.
+std::optional<guide::Prompt> none_in_room(const service::Ask& ask, const HomeView& home,
+                                          const guide::Wording& wording, TimestampNs now_ns) {
+  if (ask.in_room.empty() || ask.is_way_out) return std::nullopt;
+  if (doors_asked_for(ask, home, wording.phrases())) return std::nullopt;
+  const auto meant = [&](std::span<const guide::KnownThing> things) {
+    return guide::thing_meant(ask.subject, things, home.concepts.vocabulary, wording.phrases());
+  };
+  const auto anywhere = meant(home.things);
+  if (!anywhere || meant(things_asked_for(ask, home, wording.phrases()))) return std::nullopt;
+  return guide::none_in_room_prompt(guide::thing(*anywhere).front(), ask.in_room, wording, now_ns);
+}
+
 // The way from where somebody stands to the nearest thing that they mean.
 std::vector<guide::Prompt> way_to(const service::Ask& ask, const Situation& situation,
                                   const guide::Wording& wording, TimestampNs now_ns) {
   const HomeView& home = situation.home;
   if (auto none = no_door(ask, home, wording, now_ns)) return {*std::move(none)};
+  if (auto none = none_in_room(ask, home, wording, now_ns)) return {*std::move(none)};
   const std::string asked = name_asked_for(ask);
   const auto things = things_asked_for(ask, home, wording.phrases());
   const guide::UserLocation location = standing_of(situation.result);
@@ -130,6 +146,7 @@ std::vector<guide::Prompt> way_to(const service::Ask& ask, const Situation& situ
       home.map ? std::span(home.map->frame.storeys.stairs()) : std::span<const fusion::Staircase>();
   const fusion::FloorGrid* const found = situation.found_floor;
   std::optional<guide::Route> shortest;
+  bool is_sure = true;  // that the thing is there
   std::string why = "its place is not known";
   for (const guide::KnownThing& thing : things) {
     if (thing.name != *meant || !thing.position_plan || !home.map || !home.map->floor) continue;
@@ -140,11 +157,13 @@ std::vector<guide::Prompt> way_to(const service::Ask& ask, const Situation& situ
       why = route.error().message;
     } else if (!shortest || guide::length_m(*route, stairs) < guide::length_m(*shortest, stairs)) {
       shortest = *std::move(route);
+      is_sure = thing.is_sure(situation.today);
     }
   }
   if (!shortest) return {guide::no_route_prompt(true, why, wording, now_ns)};
   return guide::route_prompts(*shortest, *pose, guide::thing(*meant).front(), doorways_of(home),
-                              wording, now_ns, stairs);
+                              wording, now_ns, stairs,
+                              is_sure ? guide::Confidence::kSure : guide::Confidence::kProbable);
 }
 
 // The room of the home that somebody means: by its own name, or as it is called in their language.
@@ -185,6 +204,7 @@ std::vector<guide::Prompt> where_is(const service::Ask& ask, const Situation& si
                                 home.concepts.vocabulary, wording, now_ns, situation.today);
   }
   if (auto none = no_door(ask, home, wording, now_ns)) return {*std::move(none)};
+  if (auto none = none_in_room(ask, home, wording, now_ns)) return {*std::move(none)};
   const auto doors = doors_asked_for(ask, home, wording.phrases());
   const auto things = doors && !doors->empty() ? as_things(*doors, location)
                                                : things_asked_for(ask, home, wording.phrases());
@@ -228,7 +248,7 @@ class HomeAnswers {
     using service::Question;
     const HomeView& home = situation_.home;
     if (rests_on_picture(ask) && situation_.result == nullptr) {
-      return {no_picture(situation_.settings, situation_.now_t_ms)};
+      return {no_picture(situation_.had_pictures, wording_, situation_.now_t_ms)};
     }
     if (const auto side = side_of(ask.question)) return on_side(*side);
     switch (ask.question) {
@@ -403,6 +423,14 @@ std::optional<service::Question> question_of(guide::QuestionType type, bool is_r
   }
 }
 
+// Whether who asks for a thing names a room, and nothing else.
+bool means_room(const service::Ask& ask, const HomeView& home, const guide::Phrasebook& phrases) {
+  return !ask.is_way_out && ask.in_room.empty() && spot_asked_for(ask, home, phrases) == nullptr &&
+         !doors_asked_for(ask, home, phrases) &&
+         !guide::thing_meant(ask.subject, home.things, home.concepts.vocabulary, phrases) &&
+         room_meant(ask.subject, home, phrases);
+}
+
 // A room that is known by its photos alone is not.
 bool is_on_map(const guide::UserLocation& location, const HomeView& home) {
   if (location.sure_pose() != nullptr || !location.room) return true;
@@ -568,13 +596,6 @@ std::optional<std::string> way_back(const HomeView& home, std::int64_t now_s) {
   return start != nullptr ? std::optional<std::string>(guide::kStartingPlace) : std::nullopt;
 }
 
-guide::Prompt excuse_for(const HomeView& home, bool has_picture, const guide::Wording& wording,
-                         double now_t_ms) {
-  const bool has_map = !home.walks.empty();
-  return unavailable(has_map && !has_picture ? "device.no_picture" : "device.no_map", wording,
-                     now_t_ms);
-}
-
 guide::Wording wording_of(const service::SpeakingSettings& settings) {
   const auto unit = settings.distances == service::Distances::kSteps ? guide::DistanceUnit::kSteps
                                                                      : guide::DistanceUnit::kMetres;
@@ -618,8 +639,13 @@ std::vector<service::ThingInRooms> things_in_rooms(const HomeView& home,
   return several;
 }
 
-guide::Prompt no_picture(const service::SpeakingSettings& settings, double now_t_ms) {
-  return unavailable("device.no_picture", wording_of(settings), now_t_ms);
+guide::Prompt no_picture(bool had_pictures, const guide::Wording& wording, double now_t_ms) {
+  return unavailable(had_pictures ? "device.no_new_picture" : "device.no_picture", wording,
+                     now_t_ms);
+}
+
+guide::Prompt no_map(const guide::Wording& wording, double now_t_ms) {
+  return unavailable("device.no_map", wording, now_t_ms);
 }
 
 std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situation) {
@@ -628,6 +654,13 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
   // What rests on a picture is true of the moment when it was taken.
   const TimestampNs now_ns =
       nanoseconds(situation.result != nullptr ? situation.result->t_ms : situation.now_t_ms);
+  const bool asks_for_place = ask.question == service::Question::kWhereIs ||
+                              ask.question == service::Question::kWayTo ||
+                              ask.question == service::Question::kTakeMeTo;
+  if (asks_for_place &&
+      (ask.is_room || means_room(ask, situation.home, wording.phrases()))) {
+    return HomeAnswers(situation, wording, now_ns).to(ask);
+  }
   switch (ask.question) {
     case service::Question::kWhereAmI:
       return {where_am_i(situation, wording)};
@@ -635,15 +668,14 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
       if (situation.home.walks.empty()) {
         return {unavailable("device.no_map", wording, situation.now_t_ms)};
       }
-      if (situation.result == nullptr) return {no_picture(situation.settings, situation.now_t_ms)};
+      if (situation.result == nullptr) {
+        return {no_picture(situation.had_pictures, wording, situation.now_t_ms)};
+      }
       return guide::around_prompts(location, situation.home.things, wording, now_ns,
                                    situation.today, is_on_map(location, situation.home));
     case service::Question::kWhereIs:
-      if (ask.is_room) return HomeAnswers(situation, wording, now_ns).to(ask);
       return where_is(ask, situation, wording, now_ns);
     case service::Question::kTakeMeTo:  // who cannot be led is told
-      if (ask.is_room) return HomeAnswers(situation, wording, now_ns).to(ask);
-      [[fallthrough]];
     case service::Question::kWayTo:
       if (spot_asked_for(ask, situation.home, wording.phrases()) != nullptr) {
         return where_is(ask, situation, wording, now_ns);

@@ -24,6 +24,7 @@ struct Situation {
   std::optional<CalendarTime> today = std::nullopt;
   // As somebody found it who was led over it a while ago; null: as the map has it.
   const fusion::FloorGrid* found_floor = nullptr;
+  bool had_pictures = false;  // else the device sent none since it came
 };
 
 // A glance that is older than this at the time of a question is not answered by, ms: a direction
@@ -100,11 +101,11 @@ constexpr double kMaxSpotSigma_m = 0.3;
 [[nodiscard]] std::vector<guide::Prompt> answer(const service::Ask& ask,
                                                 const Situation& situation);
 
-// The answer where a map and a picture are needed, and one of them is missing.
-[[nodiscard]] guide::Prompt excuse_for(const HomeView& home, bool has_picture,
-                                       const guide::Wording& wording, double now_t_ms);
-// The answer where a picture is needed and there is none.
-[[nodiscard]] guide::Prompt no_picture(const service::SpeakingSettings& settings, double now_t_ms);
+// The answer where a picture is needed and there is none that is new enough.
+[[nodiscard]] guide::Prompt no_picture(bool had_pictures, const guide::Wording& wording,
+                                       double now_t_ms);
+// The answer where a map is needed and there is none.
+[[nodiscard]] guide::Prompt no_map(const guide::Wording& wording, double now_t_ms);
 
 // Decides what is called out while a person walks and asks nothing: a room that was entered, and
 // what stands ahead, a hazard with every picture that shows it: who speaks says it once in a while.

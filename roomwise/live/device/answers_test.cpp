@@ -216,12 +216,56 @@ TEST(Answers, TellTheWayToAThing) {
   ASSERT_THAT(prompts, SizeIs(1));
   EXPECT_THAT(prompts[0].text, ::testing::StartsWith("Straight on, then "));
   EXPECT_THAT(prompts[0].text, ::testing::EndsWith("to the microwave."));
+  EXPECT_EQ(prompts[0].confidence, guide::Confidence::kSure);
+  home.things[0].probability = 0.3;
+  const auto doubtful = answer(ask, {home, &result, settings, 600});
+  EXPECT_EQ(doubtful.at(0).confidence, guide::Confidence::kProbable);
+  EXPECT_THAT(doubtful[0].text, ::testing::EndsWith("probably to the microwave."));
   EXPECT_EQ(answer({1, 600, service::Question::kWayTo, "bed"}, {home, &result, settings, 600})
                 .at(0)
                 .message_id,
             "where.unknown");
   result.place.reset();
   EXPECT_EQ(answer(ask, {home, &result, settings, 600}).at(0).message_id, "route.no_place");
+}
+
+TEST(Answers, ARoomThatIsAskedForAsAThingIsKnown) {
+  HomeView home;
+  home.rooms = {{"kitchen", "kitchen"}};
+  const service::SpeakingSettings settings;
+  using service::Question;
+  for (const auto question : {Question::kWhereIs, Question::kWayTo, Question::kTakeMeTo}) {
+    const auto told = answer({1, 0, question, "kitchen"}, {home, nullptr, settings, 0});
+    service::Ask as_room{1, 0, Question::kWhereIs, "kitchen"};
+    as_room.is_room = true;
+    EXPECT_EQ(told.at(0).text, answer(as_room, {home, nullptr, settings, 0}).at(0).text);
+    EXPECT_NE(told[0].message_id, "where.unknown");
+  }
+}
+
+TEST(Answers, ARoomWithoutTheThingIsNotTheWholeHome) {
+  HomeView home;
+  home.things = {thing("chair", "hall", {1, 1, 1})};
+  const service::SpeakingSettings settings;
+  using service::Question;
+  for (const auto question : {Question::kWhereIs, Question::kWayTo, Question::kTakeMeTo}) {
+    service::Ask chair{1, 0, question, "chair"};
+    chair.in_room = "kitchen";
+    EXPECT_EQ(answer(chair, {home, nullptr, settings, 0}).at(0).text,
+              "I know no chair in the kitchen.");
+    chair.subject = "unicorn";
+    EXPECT_EQ(answer(chair, {home, nullptr, settings, 0}).at(0).message_id, "where.unknown");
+  }
+}
+
+TEST(Answers, WithoutANewPictureItIsSaidWhetherAnyCame) {
+  HomeView home;
+  const service::SpeakingSettings settings;
+  Situation now{home, nullptr, settings, 0};
+  const service::Ask which_way{1, 0, service::Question::kWhichWay, ""};
+  EXPECT_EQ(answer(which_way, now).at(0).message_id, "device.no_picture");
+  now.had_pictures = true;
+  EXPECT_EQ(answer(which_way, now).at(0).message_id, "device.no_new_picture");
 }
 
 TEST(Answers, TellTheDirectionOfAThingByThePlaceOnTheMap) {

@@ -10,6 +10,7 @@
 #include "roomwise/guide/answers/watch_prompts.h"
 #include "roomwise/guide/questions/refusal_prompts.h"
 #include "roomwise/guide/words/notices.h"
+#include "roomwise/pipeline/stored/stored_edits.h"
 #include "roomwise/service/protocol/prompt_message.h"
 
 namespace roomwise::live {
@@ -123,6 +124,7 @@ void Device::take(const service::DeviceMessage& message) {
       is_other_language = change->language && *change->language != settings_.language;
       if (change->may_watch != settings_.may_watch) may_watch = change->may_watch;
       apply(*change, settings_);
+      if (led_) led_->speak_by(settings_);
     } else if (const auto* const quiet = std::get_if<service::Quiet>(&message)) {
       quiet_ = quiet->on;
     }
@@ -391,15 +393,19 @@ void Device::hear_of_spots(const service::Ask& ask) {
   using service::Question;
   if (ask.question == Question::kWhichSpots) {
     std::vector<std::string> names;
-    const auto view = host_.view_for(who_);
-    for (const ViewedSpot& one : view->spots) {
+    const auto known = host_.view_for(who_);
+    for (const ViewedSpot& one : known->spots) {
       if (!one.stored.name.empty()) names.push_back(one.stored.name);
     }
     const TimestampNs now_ns = std::llround(ask.t_ms * 1e6);
     return say(guide::spots_prompts(names, wording_now(), now_ns), ask.id, {});
   }
   const bool renames = ask.question == Question::kRenameSpot;
-  if (renames && means_something(ask.name, *host_.view_for(who_), wording_now())) {
+  const auto view = host_.view_for(who_);
+  if (renames && !pipeline::validate_spoken_name(ask.name)) {
+    return say_spot(guide::SpotStep::kBadName, ask.name, ask);
+  }
+  if (renames && means_something(ask.name, *view, wording_now())) {
     return say_spot(guide::SpotStep::kOtherName, ask.name, ask);
   }
   const auto changed =
@@ -410,9 +416,15 @@ void Device::hear_of_spots(const service::Ask& ask) {
     if (!renames) host_.erase_forgotten(who_, ask.subject, ask.question);
     return;
   }
-  const bool is_refused = changed.error().code == ErrorCode::kRefused;
-  say_spot(is_refused ? guide::SpotStep::kNotYours : guide::SpotStep::kBusy, ask.subject, ask,
-           changed.error().message);
+  if (changed.error().code != ErrorCode::kRefused) {
+    return say_spot(guide::SpotStep::kBusy, ask.subject, ask, changed.error().message);
+  }
+  // Of one that they may change it is the new name.
+  const ViewedSpot* const spot = spot_called(ask.subject, *view);
+  const bool may_change = spot != nullptr && (who_.role == service::Role::kHelper ||
+                                              spot->stored.owner == owner_of(who_));
+  say_spot(renames && may_change ? guide::SpotStep::kOtherName : guide::SpotStep::kNotYours,
+           ask.subject, ask, changed.error().message);
 }
 
 void Device::mark_spot(const service::Ask& ask) {
@@ -426,9 +438,10 @@ void Device::mark_spot(const service::Ask& ask) {
 
 guide::Prompt Device::mark(const service::Ask& ask) {
   std::optional<Eigen::Vector3d> place;
-  bool has_picture = false;
+  bool has_picture = false, had_pictures = false;
   {
     const std::scoped_lock lock(mutex_);
+    had_pictures = this->had_pictures();
     has_picture = last_result_ && ask.t_ms - last_result_->t_ms <= kMaxFrameAge_ms;
     if (has_picture && last_result_->place && last_result_->place->sigma_m <= kMaxSpotSigma_m) {
       place = last_result_->place->position_plan();
@@ -439,10 +452,12 @@ guide::Prompt Device::mark(const service::Ask& ask) {
   const auto step = [&](guide::SpotStep what, const std::string& because = {}) {
     return guide::spot_prompt(what, ask.subject, wording, std::llround(ask.t_ms * 1e6), because);
   };
-  if (view->walks.empty() || !has_picture) {
-    return excuse_for(*view, has_picture, wording, ask.t_ms);
-  }
+  if (view->walks.empty()) return no_map(wording, ask.t_ms);
+  if (!has_picture) return no_picture(had_pictures, wording, ask.t_ms);
   if (!place) return step(guide::SpotStep::kNotSure, "no sure place");
+  if (!ask.subject.empty() && !pipeline::validate_spoken_name(ask.subject)) {
+    return step(guide::SpotStep::kBadName);
+  }
   if (means_something(ask.subject, *view, wording)) return step(guide::SpotStep::kOtherName);
   if (view->marked.size() >= pipeline::kMaxSpots) return step(guide::SpotStep::kTooMany);
   const auto marked = host_.mark_spot(who_, ask.subject, *place);
@@ -457,8 +472,10 @@ guide::Prompt Device::mark(const service::Ask& ask) {
 void Device::answer_by_picture(const service::Ask& ask) {
   std::shared_ptr<const FrameImages> images;
   double taken_t_ms = 0;
+  bool had_pictures = false;
   {
     const std::scoped_lock lock(mutex_);
+    had_pictures = this->had_pictures();
     if (last_result_ && ask.t_ms - last_result_->t_ms <= kMaxFrameAge_ms) {
       images = last_result_->images;
       taken_t_ms = last_result_->t_ms;
@@ -466,10 +483,7 @@ void Device::answer_by_picture(const service::Ask& ask) {
   }
   const guide::Wording wording = wording_now();
   const TimestampNs now_ns = std::llround(std::max(ask.t_ms, taken_t_ms) * 1e6);
-  if (!images) {
-    const std::scoped_lock lock(mutex_);
-    return say({no_picture(settings_, ask.t_ms)}, ask.id, {});
-  }
+  if (!images) return say({no_picture(had_pictures, wording, ask.t_ms)}, ask.id, {});
   if (ask.question == service::Question::kIsItLight) {
     return say(guide::light_prompts(is_dark(images->color), wording, now_ns), ask.id, taken_t_ms);
   }
@@ -633,7 +647,8 @@ void Device::hear_now(const Asked& asked) {
     const bool asks_way = ask.question == service::Question::kWayTo && led_;
     const Situation now{
         *view,    is_fresh ? &*last_result_ : nullptr, settings_,
-        ask.t_ms, calendar_time(unix_now_ns()),        asks_way ? led_->floor_on(*view) : nullptr};
+        ask.t_ms, calendar_time(unix_now_ns()),        asks_way ? led_->floor_on(*view) : nullptr,
+        had_pictures()};
     prompts = answer_now(ask, view, now);
     announcer_.answered(now, prompts);
     if (led_ && settings_.may_watch) watch_.say(prompts, Clock::now());

@@ -172,6 +172,8 @@ class Device : public std::enable_shared_from_this<Device> {
   [[nodiscard]] std::vector<guide::Prompt> lead_to(const service::Ask& goal,
                                                    const std::shared_ptr<const HomeView>& home,
                                                    const Situation& now, bool is_way_back);
+  // With mutex_ held: a picture came since the device did.
+  [[nodiscard]] bool had_pictures() const { return last_result_ || newest_ || looking_; }
   [[nodiscard]] bool is_led() const { return led_ && !led_->is_over(); }
   void answer_waiting(bool more_frames_wait);
   void say(const std::vector<guide::Prompt>& prompts, std::optional<std::int64_t> answer_to,

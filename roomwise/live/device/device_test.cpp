@@ -99,7 +99,8 @@ class Host final : public DeviceHost {
     return {};
   }
   [[nodiscard]] Expected<void> change_spot(const service::Identity&, const std::string& name,
-                                           const std::optional<std::string>&) override {
+                                           const std::optional<std::string>& new_name) override {
+    if (new_name == "my desk") return fail_with(ErrorCode::kRefused, "another is called so");
     if (name == "my chair") return {};
     return fail_with(ErrorCode::kRefused, "not marked by this device");
   }
@@ -506,6 +507,12 @@ TEST_F(DeviceTest, WhatItMarkedIsListedRenamedAndForgotten) {
   service::Ask rename{3, 0, service::Question::kRenameSpot, "my chair"};
   rename.name = "my seat";
   EXPECT_EQ(answer(rename).text, "It is called my seat now.");
+  rename.name = "my desk";
+  EXPECT_EQ(answer(rename).message_id, "spot.not_yours") << "it is the computer's";
+  spot.stored.owner = "3";
+  EXPECT_EQ(answer(rename).message_id, "teach.name") << "it is taken";
+  rename.name = std::string(61, 'x');
+  EXPECT_EQ(answer(rename).message_id, "spot.bad_name");
   EXPECT_EQ(answer({4, 0, service::Question::kInWords, "forget my chair"}).message_id,
             "own.forgotten");
   EXPECT_EQ(answer({5, 0, service::Question::kForgetSpot, "my desk"}).message_id, "spot.not_yours");
@@ -529,7 +536,7 @@ TEST_F(DeviceTest, WhoIsInThePictureIsAnsweredByWhoLooksAtFrames) {
   host.people->push_back({guide::SeenPerson::Side::kLeft, 2.0});
   EXPECT_EQ(answer(4, 2100, service::Question::kWhoIsHere).message_id, "people.left_at");
   EXPECT_EQ(answer(5, 2100, service::Question::kIsItLight).message_id, "light.dark");
-  EXPECT_EQ(answer(6, 9000, service::Question::kWhoIsHere).message_id, "device.no_picture");
+  EXPECT_EQ(answer(6, 9000, service::Question::kWhoIsHere).message_id, "device.no_new_picture");
 }
 
 TEST_F(DeviceTest, WithoutACameraNothingIsTaught) {

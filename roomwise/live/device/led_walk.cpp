@@ -127,6 +127,7 @@ bool is_same_place(const Goal& one, const Goal& other) {
 LedWalk::LedWalk(service::Ask asked, std::shared_ptr<const HomeView> home, Goal goal,
                  const Situation& situation, std::vector<guide::BarredPlace> barred)
     : asked_(std::move(asked)),
+      asked_by_(situation.settings),
       settings_(situation.settings),
       today_(situation.today),
       home_(std::move(home)),
@@ -158,11 +159,11 @@ bool LedWalk::is_same_map(const HomeView& home) const {
 
 bool LedWalk::is_goal_there(const HomeView& home) const {
   // Where a taught thing was seen last changes with every look at it: it is known by its name.
-  const guide::Wording wording = wording_of(settings_);
+  const guide::Wording wording = wording_of(asked_by_);
   const auto meant = things_meant(asked_, home, wording.phrases());
   if (std::ranges::any_of(meant, &guide::KnownThing::is_taught)) return true;
   const auto goals =
-      goals_of(asked_, home, {}, settings_, today_);  // from wherever they are by now
+      goals_of(asked_, home, {}, asked_by_, today_);  // from wherever they are by now
   return std::ranges::any_of(
       goals, [&](const Goal& goal) { return is_same_place(goal, guidance_->goal()); });
 }
@@ -212,9 +213,10 @@ std::vector<guide::Prompt> LedWalk::after(const FrameResult& result,
 std::vector<guide::Prompt> LedWalk::begin_anew(const FrameResult& result,
                                                const std::shared_ptr<const HomeView>& home) {
   const TimestampNs now_ns = at(result.t_ms);
-  const Situation now{*home, &result, settings_, result.t_ms, today_};
+  const Situation now{*home, &result, asked_by_, result.t_ms, today_};
   auto anew = to(asked_, home, now, this);
   if (!anew) return {guidance_->end_without_goal(now_ns)};
+  anew->speak_by(settings_);
   anew->now_ns_ = now_ns;
   if (guidance_->state() == guide::Guidance::State::kPaused) {
     (void)anew->guidance_->request(guide::GuidanceRequest::kPause, now_ns);
@@ -223,6 +225,11 @@ std::vector<guide::Prompt> LedWalk::begin_anew(const FrameResult& result,
   *this = std::move(*anew);
   if (!stop) return {};
   return {*stop};
+}
+
+void LedWalk::speak_by(const service::SpeakingSettings& settings) {
+  settings_ = settings;
+  guidance_->speak_by(wording_of(settings));
 }
 
 bool LedWalk::follows_way() const {

@@ -32,6 +32,8 @@ class LedWalk {
   [[nodiscard]] guide::Prompt repeat(double now_t_ms);
   // The way from where somebody stands then, whatever has been walked.
   [[nodiscard]] guide::Plan plan_from(const Situation& situation) const;
+  // From now on.
+  void speak_by(const service::SpeakingSettings& settings);
   [[nodiscard]] bool is_over() const { return guidance_->is_over(); }
   // Not paused, lost, by rooms or on stairs.
   [[nodiscard]] bool follows_way() const;
@@ -58,7 +60,8 @@ class LedWalk {
   [[nodiscard]] TimestampNs at(double t_ms);
 
   service::Ask asked_;
-  service::SpeakingSettings settings_;
+  service::SpeakingSettings asked_by_;  // in this language the goal was named
+  service::SpeakingSettings settings_;  // in which is spoken
   std::optional<CalendarTime> today_;                   // when it was asked for
   std::shared_ptr<const HomeView> home_, newest_home_;  // when it began, and when it last looked
   std::vector<rooms::Doorway> doorways_;

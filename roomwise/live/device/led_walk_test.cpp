@@ -83,6 +83,26 @@ TEST_F(LedWalkTest, LeadsAlongWithThePicturesThatCome) {
   EXPECT_TRUE(led->is_over());
 }
 
+TEST_F(LedWalkTest, WhoIsLedHearsTheLanguageThatTheyChangeTo) {
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+  ASSERT_NE(led, nullptr);
+  EXPECT_EQ(led->begin(at(first)).language, "en");
+  service::SpeakingSettings german = settings;
+  german.language = "de";
+  german.distances = service::Distances::kSteps;
+  led->speak_by(german);
+  const guide::Prompt left = led->hear(service::GuideWish::kHowFar, t_ms);
+  EXPECT_EQ(left.language, "de");
+  EXPECT_THAT(left.text, HasSubstr("Schritte"));
+  EXPECT_EQ(led->watched().language, "de");
+  // What was asked for in the language before is still known when the home changes.
+  const auto changed = std::make_shared<HomeView>(*home);
+  t_ms += kTick_ms;
+  const auto said = led->after(picture_at({0, 0}, t_ms), changed);
+  EXPECT_FALSE(led->is_over());
+}
+
 // Hall, kitchen and balcony side by side, with doors at x = 4 and x = 8.
 TEST_F(LedWalkTest, LeadsToADoorByItsRooms) {
   LiveMap map;
