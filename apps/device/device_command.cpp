@@ -39,27 +39,6 @@ std::string own_host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? std::string(name.data()) : "device";
 }
 
-// Those of an earlier pairing, or of one by the code that was given.
-Expected<service::ServerCredentials> find_credentials(const DeviceOptions& options,
-                                                      const service::ServerAddress& server,
-                                                      const Interruption& interruption) {
-  ROOMWISE_TRY(const fs::path file, credentials_file());
-  if (options.code.empty()) {
-    ROOMWISE_TRY(const auto stored, stored_credentials(file, options.server));
-    if (stored) return *stored;
-    return fail(
-        "this device is not paired with {}: run 'roomwise serve HOME --pair device' there, and "
-        "give the code here: --pair CODE",
-        options.server);
-  }
-  const service::ClientWait wait{.timeout = service::kPairingTimeout,
-                                 .interruption = &interruption};
-  ROOMWISE_TRY(const service::PairedWith paired,
-               service::pair_with(server, options.code, options.name, wait));
-  ROOMWISE_RETURN_IF_ERROR(store_credentials(file, options.server, paired.credentials));
-  return paired.credentials;
-}
-
 // Says a message to its end: whoever cannot see the terminal waits for it.
 void say_now(DeviceVoice& voice, const std::string& message, guide::Sound sound,
              const Interruption& interruption) {
@@ -69,24 +48,37 @@ void say_now(DeviceVoice& voice, const std::string& message, guide::Sound sound,
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
 }
 
-// The same, and says how that went.
+const char* message_of(service::PairingRefusal refusal) {
+  switch (refusal) {
+    case service::PairingRefusal::kCode:
+      return "device.code_wrong";
+    case service::PairingRefusal::kName:
+      return "device.name_wrong";
+    case service::PairingRefusal::kMustWait:
+      return "device.many_codes";
+    case service::PairingRefusal::kNone:
+      break;
+  }
+  return "device.connection_lost";
+}
+
+// find_pairing(), and says how that went.
 Expected<service::ServerCredentials> find_credentials_aloud(const DeviceOptions& options,
-                                                            const service::ServerAddress& server,
                                                             DeviceVoice& voice,
                                                             const Interruption& interruption) {
   const auto say = [&](const std::string& message, guide::Sound sound) {
     say_now(voice, message, sound, interruption);
   };
-  auto credentials = find_credentials(options, server, interruption);
-  if (!credentials && options.code.empty()) {
-    say("device.not_paired", guide::Sound::kAlert);
-  } else if (!credentials) {
-    const bool is_wrong = credentials.error().code == ErrorCode::kRefused;
-    say(is_wrong ? "device.code_wrong" : "device.connection_lost", guide::Sound::kAlert);
-  } else if (!options.code.empty()) {
-    say("device.paired", guide::Sound::kBack);
+  ROOMWISE_TRY(const fs::path file, credentials_file());
+  auto pairing = find_pairing(file, options.server, options.code, options.name,
+                              {.timeout = service::kPairingTimeout, .interruption = &interruption});
+  if (!pairing) {
+    say(options.code.empty() ? "device.not_paired" : message_of(pairing.error().refusal),
+        guide::Sound::kAlert);
+    return Unexpected(std::move(pairing).error());
   }
-  return credentials;
+  if (pairing->is_new) say("device.paired", guide::Sound::kBack);
+  return std::move(pairing->credentials);
 }
 
 // Says it, too, where a part is not there: whoever cannot see the terminal would wait.
@@ -153,8 +145,7 @@ Expected<Answer> run_device(const DeviceOptions& given, Context& context) {
   DeviceParts parts;
   ROOMWISE_TRY(parts.server, service::parse_server_address(options.server));
   ROOMWISE_TRY(parts.voice, open_voice(options, catalogue));
-  ROOMWISE_TRY(parts.credentials,
-               find_credentials_aloud(options, parts.server, *parts.voice, context.progress));
+  ROOMWISE_TRY(parts.credentials, find_credentials_aloud(options, *parts.voice, context.progress));
   ROOMWISE_TRY(parts.keys, aloud(DeviceKeys::open(STDIN_FILENO, options.buttons),
                                  "device.buttons_lost", *parts.voice, context.progress));
   ROOMWISE_TRY(parts.camera,
@@ -186,10 +177,11 @@ void make_device_command(CLI::App& command, Context& context, OpenRecording open
                    run_device);
   options.open_recording = open_recording;
   command.add_option("--server", options.server, "The home's computer, HOST:PORT")->required();
-  command.add_option("--pair", options.code,
-                     "Code, or the whole address with '#', that the computer shows; needed once. "
-                     "The pairing is kept in "
-                     "$XDG_CONFIG_HOME/roomwise/device.json");
+  command.add_option(
+      "--pair", options.code,
+      "Code, or the whole address with '#', that the computer shows; needed once: where an "
+      "earlier pairing holds, that is used. It is kept in "
+      "$XDG_CONFIG_HOME/roomwise/device.json");
   command.add_option("--name", options.name,
                      "Name of this device that helpers see; default: this computer's name");
   auto* recording = command.add_option("--recording", options.recording,

@@ -57,4 +57,31 @@ Expected<void> store_credentials(const fs::path& file, const std::string& server
   return service::write_private_file(file, computers.dump(2) + "\n");
 }
 
+tl::expected<DevicePairing, service::PairingError> find_pairing(const fs::path& file,
+                                                                const std::string& server,
+                                                                const std::string& code,
+                                                                const std::string& name,
+                                                                const service::ClientWait& wait) {
+  ROOMWISE_TRY(const auto address, service::parse_server_address(server));
+  ROOMWISE_TRY(const auto stored, stored_credentials(file, server));
+  if (code.empty()) {
+    if (stored) return DevicePairing{*stored};
+    return fail(
+        "this device is not paired with {}: run 'roomwise serve HOME --pair device' there, and "
+        "give the code here: --pair CODE",
+        server);
+  }
+  if (stored && service::ServerConnection::open(address, *stored, wait)) {
+    return DevicePairing{*stored};
+  }
+  auto paired = service::pair_with(address, code, name, wait);
+  if (!paired) {
+    const bool is_there = paired.error().code == ErrorCode::kRefused;
+    if (stored && !is_there) return DevicePairing{*stored};
+    return tl::unexpected(std::move(paired).error());
+  }
+  ROOMWISE_RETURN_IF_ERROR(store_credentials(file, server, paired->credentials));
+  return DevicePairing{std::move(paired->credentials), true};
+}
+
 }  // namespace roomwise::app

@@ -221,7 +221,9 @@ void DeviceSession::take_prompt(const service::PromptMessage& message, Timestamp
     return;
   }
   ++prompts_;
-  parts_.voice->say(*std::move(prompt), now_ns, message.answer_to.has_value());
+  // Nobody waits for an answer that the device itself asked for: what is said on the way follows.
+  const bool is_asked_for = message.answer_to && message.answer_to != asked_by_device_;
+  parts_.voice->say(*std::move(prompt), now_ns, is_asked_for);
 }
 
 // Whether a thing is shown, or was and waits for its name.
@@ -274,6 +276,7 @@ void DeviceSession::lead_again(TimestampNs now_ns) {
   const Led again = std::exchange(led_, {});
   Led before = again.is_unanswered ? std::exchange(led_before_, {}) : Led{};
   ask(*again.by, now_ns);
+  asked_by_device_ = questions_;
   led_before_ = std::move(before);
 }
 
@@ -298,6 +301,7 @@ void DeviceSession::take_recording(const service::RecordingState& recording, Tim
 
 void DeviceSession::take_error(const service::ErrorMessage& error, TimestampNs now_ns) {
   std::cerr << "the computer: " << error.text << '\n';
+  if (error.t_ms) link_.acknowledged(*error.t_ms, steady_s(now_ns));  // the next may be sent
   if (!error.answer_to) return;
   const auto asked = asked_.find(*error.answer_to);
   if (asked == asked_.end()) return;

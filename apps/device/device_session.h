@@ -83,6 +83,7 @@ class DeviceSession : private Interruption {
   std::size_t next_goal_ = 0;
   std::optional<service::Ask> found_;  // the goal that was asked for last
   std::int64_t questions_ = 0;
+  std::int64_t asked_by_device_ = 0;            // the newest of them that nobody asked
   std::int64_t newest_answered_ = 0;            // of the questions
   std::map<std::int64_t, service::Ask> asked_;  // and not answered
   // How somebody is led, while they are: the computer forgets it where it begins anew.

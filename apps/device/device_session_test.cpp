@@ -1,4 +1,5 @@
 #include "device_session.h"
+#include "device_credentials.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -129,6 +130,7 @@ class AnsweringHome final : public service::SocketHandler {
   std::vector<service::Ask> asks;
   std::atomic<bool> has_forgotten = false;  // whom it led
   std::atomic<bool> is_slow = false;        // to answer, without end
+  std::atomic<bool> is_late = false;        // its answers hold no more when they come
   std::atomic<bool> welcomes = true;        // who says hello; else welcome() does
 
  private:
@@ -202,7 +204,7 @@ class AnsweringHome final : public service::SocketHandler {
       prompt.priority = "answer";
       prompt.confidence = "sure";
       prompt.sound = "answer";
-      prompt.valid_until_t_ms = ask.t_ms + 60'000;
+      prompt.valid_until_t_ms = ask.t_ms + (home_.is_late ? -1 : 60'000);
       out_->send_text(write(service::HomeMessage(prompt)));
     }
 
@@ -445,6 +447,21 @@ TEST_F(LedSessionTest, IsLedOnAfterTheServerWasAwayAsSoonAsItSeesThePlace) {
   EXPECT_EQ(home_.asks[1].subject, "bed");
   EXPECT_GT(home_.asks[1].id, home_.asks[0].id);
   EXPECT_GT(home_.asks[1].t_ms, home_.asks[0].t_ms);
+}
+
+// As where the words that the computer is back were still being spoken.
+TEST_F(LedSessionTest, AnAnswerThatTheDeviceAskedForItselfAndThatCameTooLateIsNoFailure) {
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
+  lose_the_server_and_find_it("");
+  home_.is_late = true;
+  see_a_place();
+  EXPECT_TRUE(home_.signal.wait([&] { return home_.asks.size() == 2; }));
+  EXPECT_TRUE(home_.has_more_frames(3));
+  EXPECT_EQ(speaker_->times("That did not work."), 0);
+  type("f lamp\n");
+  EXPECT_TRUE(speaker_->hears("That did not work.")) << "somebody asked";
+  type("x");
+  running.join();
 }
 
 TEST_F(LedSessionTest, IsLedOnAlsoWhoAskedHowFarBeforeThePlaceWasSeen) {
@@ -722,6 +739,25 @@ TEST_F(DeviceSessionTest, TellsThatItIsRecorded) {
   type("x");
   running.join();
   EXPECT_EQ(speaker_->times("Recording."), 4);
+}
+
+// Its command line may hold the code for ever.
+TEST_F(DeviceSessionTest, AnEarlierPairingIsUsedWhereTheCodeWasUsedUp) {
+  const std::filesystem::path file = folder_ / "device.json";
+  const std::string server = "127.0.0.1:" + std::to_string(server_->port());
+  const service::ClientWait wait{.timeout = std::chrono::seconds(10)};
+  const auto found = [&](const std::string& code) {
+    return find_pairing(file, server, code, "Cap", wait);
+  };
+  EXPECT_ERROR(found(""), "is not paired");
+  ASSERT_OK(
+      store_credentials(file, server, {around_.certificate.fingerprint, around_.device.token}));
+  const auto earlier = found("123456");
+  ASSERT_OK(earlier);
+  EXPECT_FALSE(earlier->is_new);
+  EXPECT_EQ(earlier->credentials.token, around_.device.token);
+  server_.reset();
+  EXPECT_OK(found("123456")) << "the computer is not there yet";
 }
 
 TEST_F(DeviceSessionTest, TellsOnceThatItWasRemoved) {

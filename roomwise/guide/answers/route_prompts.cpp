@@ -28,8 +28,8 @@ std::vector<Prompt> route_prompts(const Route& route, const Pose& pose, const No
                                   Confidence confidence) {
   const double whole_m = length_m(route, stairs);
   const auto made = [&](std::size_t part, const std::string& message, const Values& values) {
-    return make_part(wording, "route", part, message, values, confidence, now_ns,
-                     kDirectionValid_s, fmt::format("a way of {:.1f} m along free floor", whole_m));
+    return make_part(wording, "route", part, message, values, confidence, now_ns, kDirectionValid_s,
+                     fmt::format("a way of {:.1f} m along free floor", whole_m));
   };
   const bool is_sure = confidence == Confidence::kSure;
   if (whole_m < kThere_m) {

@@ -12,8 +12,8 @@ namespace roomwise::guide {
 
 // A way in words: "Turn right, then 4 steps to the door.", "Straight on, then 3 steps to the
 // microwave." A leg a prompt, four at most, from how somebody stands; doors end a leg, stairs are
-// one. Who is led along takes the first one and asks again on the way. `confidence`: kProbable where
-// the goal may not be there. Never empty: "You are at the microwave."
+// one. Who is led along takes the first one and asks again on the way. `confidence`: kProbable
+// where the goal may not be there. Never empty: "You are at the microwave."
 [[nodiscard]] std::vector<Prompt> route_prompts(const Route& route, const Pose& pose,
                                                 const Noun& goal,
                                                 std::span<const rooms::Doorway> doorways,

@@ -317,7 +317,9 @@ TEST_F(HomePromptsTest, EveryRefusalSaysWhatCanBeAsked) {
               ElementsAre("I know no socks here.", examples, of_things, of_rooms));
   EXPECT_THAT(refusal("take me to the kitchn"),
               ElementsAre("Did you mean the kitchen? Then answer yes."));
-  EXPECT_THAT(said(example_prompts({}, english_, 0)), ElementsAre(examples));
+  const auto asked_for = example_prompts({}, english_, 0);
+  EXPECT_THAT(said(asked_for), ElementsAre(examples));
+  EXPECT_EQ(asked_for[0].confidence, Confidence::kSure);
 }
 
 }  // namespace

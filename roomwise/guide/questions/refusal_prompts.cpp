@@ -22,8 +22,8 @@ class Refusal {
       : wording_(wording), now_ns_(now_ns), confidence_(confidence), because_(because) {}
 
   void say(const std::string& message, const Values& values = {}) {
-    prompts_.push_back(make_part(wording_, "ask", prompts_.size(), message, values,
-                                 confidence_, now_ns_, kHomeValid_s, because_));
+    prompts_.push_back(make_part(wording_, "ask", prompts_.size(), message, values, confidence_,
+                                 now_ns_, kHomeValid_s, because_));
   }
   void say_examples(const HomeNames& home) {
     say("ask.examples");

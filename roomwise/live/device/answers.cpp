@@ -657,8 +657,7 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
   const bool asks_for_place = ask.question == service::Question::kWhereIs ||
                               ask.question == service::Question::kWayTo ||
                               ask.question == service::Question::kTakeMeTo;
-  if (asks_for_place &&
-      (ask.is_room || means_room(ask, situation.home, wording.phrases()))) {
+  if (asks_for_place && (ask.is_room || means_room(ask, situation.home, wording.phrases()))) {
     return HomeAnswers(situation, wording, now_ns).to(ask);
   }
   switch (ask.question) {

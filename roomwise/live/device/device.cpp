@@ -187,10 +187,11 @@ service::Welcome Device::welcome() const {
 
 void Device::on_message(Bytes bytes) {
   const auto read = service::read_frame(bytes);
-  if (!read) return refuse_unread(read.error());
+  if (!read) return refuse_unread(read.error(), {}, service::time_of_frame(bytes));
   has_read();
   if (!camera()) {
-    return refuse_unread(Error{"a frame came from a device whose hello told of no camera"});
+    return refuse_unread(Error{"a frame came from a device whose hello told of no camera"}, {},
+                         read->t_ms);
   }
   CameraFrame frame{read->t_ms,
                     {read->color.begin(), read->color.end()},
@@ -222,12 +223,14 @@ void Device::on_closed() {
   waiting_.clear();
 }
 
-void Device::refuse(const Error& error, std::optional<std::int64_t> answer_to) {
-  send(service::ErrorMessage{error.message, answer_to});
+void Device::refuse(const Error& error, std::optional<std::int64_t> answer_to,
+                    std::optional<double> frame_t_ms) {
+  send(service::ErrorMessage{error.message, answer_to, frame_t_ms});
 }
 
-void Device::refuse_unread(const Error& error, std::optional<std::int64_t> answer_to) {
-  refuse(error, answer_to);
+void Device::refuse_unread(const Error& error, std::optional<std::int64_t> answer_to,
+                           std::optional<double> frame_t_ms) {
+  refuse(error, answer_to, frame_t_ms);
   const std::scoped_lock lock(mutex_);
   if (++unread_ == kMaxUnread) out_->close("too many messages that could not be read");
 }
@@ -645,10 +648,13 @@ void Device::hear_now(const Asked& asked) {
     if (is_fresh) based_on_t_ms = last_result_->t_ms;
     const auto view = host_.view_for(who_);
     const bool asks_way = ask.question == service::Question::kWayTo && led_;
-    const Situation now{
-        *view,    is_fresh ? &*last_result_ : nullptr, settings_,
-        ask.t_ms, calendar_time(unix_now_ns()),        asks_way ? led_->floor_on(*view) : nullptr,
-        had_pictures()};
+    const Situation now{*view,
+                        is_fresh ? &*last_result_ : nullptr,
+                        settings_,
+                        ask.t_ms,
+                        calendar_time(unix_now_ns()),
+                        asks_way ? led_->floor_on(*view) : nullptr,
+                        had_pictures()};
     prompts = answer_now(ask, view, now);
     announcer_.answered(now, prompts);
     if (led_ && settings_.may_watch) watch_.say(prompts, Clock::now());
@@ -748,12 +754,13 @@ bool Device::work() {
       const std::scoped_lock lock(mutex_);
       looking_ = false;
     }
-    if (!taught) refuse(taught.error());
+    if (!taught) refuse(taught.error(), {}, frame->t_ms);
     answer_waiting(false);
     const std::scoped_lock lock(mutex_);
     return newest_.has_value();
   }
   const Clock::time_point began = Clock::now();
+  const double t_ms = frame->t_ms;
   Expected<FrameResult> result = look(*std::move(frame));
   host_.looked(seconds_since(began), result.has_value());
   bool more = false;
@@ -770,7 +777,7 @@ bool Device::work() {
     const std::scoped_lock lock(seen_mutex_);
     host_.saw(*this, *result);
   } else {
-    refuse(result.error());
+    refuse(result.error(), {}, t_ms);
   }
   answer_waiting(more);
   return more;

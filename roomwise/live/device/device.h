@@ -190,10 +190,12 @@ class Device : public std::enable_shared_from_this<Device> {
   void tell_of(std::span<const service::Identity> watchers);
   void heard_at(double t_ms);
   [[nodiscard]] double now_t_ms() const;  // by the device's clock
-  // Tells what is wrong.
-  void refuse(const Error& error, std::optional<std::int64_t> answer_to = {});
+  // Tells what is wrong, with a question or with the frame of that time.
+  void refuse(const Error& error, std::optional<std::int64_t> answer_to = {},
+              std::optional<double> frame_t_ms = {});
   // The same of a message that could not be read: many of these close the connection.
-  void refuse_unread(const Error& error, std::optional<std::int64_t> answer_to = {});
+  void refuse_unread(const Error& error, std::optional<std::int64_t> answer_to = {},
+                     std::optional<double> frame_t_ms = {});
   void has_read();  // a message
   void store(const CameraFrame& frame);
   [[nodiscard]] service::Welcome welcome() const;

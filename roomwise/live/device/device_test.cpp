@@ -1233,7 +1233,9 @@ TEST_F(DeviceTest, APictureThatCannotBeReadIsAnErrorAndAnswersWhatWaits) {
   wire->texts.clear();
   device->work();
   std::vector<std::string> texts = wire->texts;
-  EXPECT_THAT(wire->take<service::ErrorMessage>(), SizeIs(1));
+  const auto errors = wire->take<service::ErrorMessage>();
+  ASSERT_THAT(errors, SizeIs(1));
+  EXPECT_EQ(errors[0].t_ms, 5) << "which frame it is about";
   wire->texts = std::move(texts);
   EXPECT_THAT(wire->take<service::PromptMessage>(), SizeIs(1));
 }

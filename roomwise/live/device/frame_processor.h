@@ -92,8 +92,8 @@ class FrameProcessor {
   struct Times {
     double t_ms = 0, came_s = 0;
   };
-  std::optional<Times> last_;         // picture
-  std::optional<double> decided_s_;   // when a picture last told of rooms
+  std::optional<Times> last_;        // picture
+  std::optional<double> decided_s_;  // when a picture last told of rooms
   // Of a calibrated camera, on the map of that localiser.
   mapping::PlaceTrack track_;
   std::shared_ptr<const pipeline::HomeLocalizer> track_localizer_;

@@ -60,8 +60,8 @@ class LedWalk {
   [[nodiscard]] TimestampNs at(double t_ms);
 
   service::Ask asked_;
-  service::SpeakingSettings asked_by_;  // in this language the goal was named
-  service::SpeakingSettings settings_;  // in which is spoken
+  service::SpeakingSettings asked_by_;                  // in this language the goal was named
+  service::SpeakingSettings settings_;                  // in which is spoken
   std::optional<CalendarTime> today_;                   // when it was asked for
   std::shared_ptr<const HomeView> home_, newest_home_;  // when it began, and when it last looked
   std::vector<rooms::Doorway> doorways_;

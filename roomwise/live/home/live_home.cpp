@@ -431,7 +431,8 @@ Expected<std::vector<fs::path>> LiveHome::waiting_walks(const std::set<fs::path>
     if (is_being_made || failed.contains(entry.path())) continue;
     if (recording::find_recording_kind(entry.path()) == nullptr) continue;
     ROOMWISE_TRY(const bool is_mapped, has_recording_of(entry.path()));
-    if (!is_mapped && !is_empty(entry.path())) by_time.emplace(time_of_walk(entry.path()), entry.path());
+    if (!is_mapped && !is_empty(entry.path()))
+      by_time.emplace(time_of_walk(entry.path()), entry.path());
   }
   std::vector<fs::path> waiting;
   if (unfinished) waiting.push_back(*unfinished);

@@ -257,7 +257,8 @@ Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string&
     recording_device_ = device;
     return {};
   }));
-  // Before the first frame comes: who is recorded is to know it, and sends whole frames from now on.
+  // Before the first frame comes: who is recorded is to know it, and sends whole frames from now
+  // on.
   recorded(**found, {device, "recording", recorder->name(), 0, ""});
   (*found)->record_to(recorder);
   // Where that cannot be now, it is done at the end.

@@ -61,9 +61,22 @@ Expected<http::response<http::string_body>> post(TlsClient& client, const std::s
   return answer;
 }
 
-Expected<PairedWith> read_pairing(const TlsClient& client,
-                                  const http::response<http::string_body>& answer,
-                                  const PairingProof& proof) {
+PairingRefusal refusal_of(http::status status) {
+  switch (status) {
+    case http::status::unauthorized:
+      return PairingRefusal::kCode;
+    case http::status::bad_request:
+      return PairingRefusal::kName;  // of what is sent the name alone is the person's own
+    case http::status::too_many_requests:
+      return PairingRefusal::kMustWait;
+    default:
+      return PairingRefusal::kNone;
+  }
+}
+
+tl::expected<PairedWith, PairingError> read_pairing(const TlsClient& client,
+                                                    const http::response<http::string_body>& answer,
+                                                    const PairingProof& proof) {
   const Json json = Json::parse(answer.body(), nullptr, false);
   if (answer.result() == http::status::service_unavailable) {
     return fail("{} cannot pair just now; try again soon", client.name());
@@ -71,16 +84,20 @@ Expected<PairedWith> read_pairing(const TlsClient& client,
   if (answer.result() != http::status::ok) {
     const bool says_why =
         json.is_object() && json.contains("error") && json.at("error").is_string();
-    return fail_with(ErrorCode::kRefused, "{} refuses the pairing: {}", client.name(),
-                     says_why ? json.at("error").get<std::string>() : std::string(answer.reason()));
+    std::string why = says_why ? json.at("error").get<std::string>() : std::string(answer.reason());
+    return tl::unexpected(PairingError(
+        Error{fmt::format("{} refuses the pairing: {}", client.name(), why), ErrorCode::kRefused},
+        refusal_of(answer.result())));
   }
   PairedWith paired;
   try {
     if (!equal_secrets(json.at("proof").get<std::string>(), proof.computer)) {
-      return fail_with(ErrorCode::kRefused,
-                       "{} does not know the code: it is another computer that stands between; "
-                       "pair in a network that you trust",
-                       client.name());
+      return tl::unexpected(PairingError(
+          Error{fmt::format("{} does not know the code: it is another computer that stands "
+                            "between; pair in a network that you trust",
+                            client.name()),
+                ErrorCode::kRefused},
+          PairingRefusal::kCode));
     }
     const auto role = parse_role(json.at("role").get<std::string>());
     if (!role) return fail("{} answers with a role that is not known", client.name());
@@ -207,8 +224,9 @@ Expected<ServerAddress> parse_server_address(std::string_view text) {
   return ServerAddress{std::string(host), *port, std::string(base)};
 }
 
-Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& code,
-                               const std::string& name, const ClientWait& wait) {
+tl::expected<PairedWith, PairingError> pair_with(const ServerAddress& server,
+                                                 const std::string& code, const std::string& name,
+                                                 const ClientWait& wait) {
   TlsClient client(server, wait);
   ROOMWISE_RETURN_IF_ERROR(client.connect());
   const TlsClient::Shown shown = client.shown();
@@ -216,17 +234,20 @@ Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& c
   ROOMWISE_TRY(const Bytes random, random_bytes(16));
   const std::string nonce = hexadecimal(random);
   // A link ends with the secret, behind "#".
-  const std::string known = code.substr(code.rfind('#') + 1);
+  std::string known = code.substr(code.rfind('#') + 1);
   const bool is_secret = known.size() == kSecretLength;
+  // Digits are shown and said in groups.
+  if (!is_secret) std::erase_if(known, [](char one) { return one == ' ' || one == '-'; });
   ROOMWISE_TRY(const PairingProof proof, is_secret ? make_secret_proof(known, fingerprint, nonce)
                                                    : make_pairing_proof(known, fingerprint, nonce));
   ROOMWISE_TRY(const auto answer, post(client, server.base + "/api/pair",
                                        {{is_secret ? "secret_proof" : "proof", proof.device},
                                         {"nonce", nonce},
                                         {"name", name}}));
-  ROOMWISE_TRY(PairedWith paired, read_pairing(client, answer, proof));
-  paired.credentials.fingerprint = fingerprint;
-  paired.who.name = name;
+  auto paired = read_pairing(client, answer, proof);
+  if (!paired) return paired;
+  paired->credentials.fingerprint = fingerprint;
+  paired->who.name = name;
   return paired;
 }
 

@@ -48,14 +48,26 @@ struct ClientWait {
 // computer a second, and far more where it is busy, as while a map is made ready.
 inline constexpr std::chrono::milliseconds kPairingTimeout{30'000};
 
-// Pairs with a computer that was never seen by the six digits, the secret, or the link that it
-// shows
-// ("https://flat.local:8443/pair#SECRET"): shows that the code is known without sending it, and
-// believes the computer only where it knows the code too (pairing_proof.h). ErrorCode::kRefused
-// where it is the code: the computer refuses it, or does not know it itself.
-[[nodiscard]] Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& code,
-                                             const std::string& name,
-                                             const ClientWait& wait = {.timeout = kPairingTimeout});
+// Why a computer does not pair.
+enum class PairingRefusal {
+  kNone,      // it was not asked, or gives no answer
+  kCode,      // it refuses the code, or does not know it itself
+  kName,      // the device's
+  kMustWait,  // too many wrong codes came
+};
+struct PairingError : Error {
+  PairingError(Error error, PairingRefusal why = PairingRefusal::kNone)  // NOLINT: from any error
+      : Error(std::move(error)), refusal(why) {}
+  PairingRefusal refusal;
+};
+
+// Pairs with a computer that was never seen by the six digits (blanks and hyphens between them do
+// not count), the secret, or the link that it shows ("https://flat.local:8443/pair#SECRET"): shows
+// that the code is known without sending it, and believes the computer only where it knows the code
+// too (pairing_proof.h).
+[[nodiscard]] tl::expected<PairedWith, PairingError> pair_with(
+    const ServerAddress& server, const std::string& code, const std::string& name,
+    const ClientWait& wait = {.timeout = kPairingTimeout});
 
 // A WebSocket to the computer. Thread-safe. It closes where it goes.
 class ServerConnection {

@@ -163,7 +163,10 @@ Expected<DeviceMessage> read_ask(const OrderedJson& json) {
   if (ask.question == Question::kWhereIs)
     ask.is_room = members.has("room") && !members.has("thing");
   if (ask.question == Question::kGuide) ask.wish = members.one_of("wish", kWishes);
-  if (asks_for_thing(ask)) ask.subject = members.text("thing");
+  if (asks_for_thing(ask)) {
+    ask.subject = members.text("thing");
+    if (!members.error() && ask.subject.empty()) members.wrong("thing", "not empty");
+  }
   // Of a thing there may be several.
   if (is_of_place && !ask.is_room && members.has("in")) {
     ask.in_room = members.text("in");

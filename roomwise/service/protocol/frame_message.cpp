@@ -144,10 +144,10 @@ OrderedJson header_json(const FrameMessage& frame) {
 
 }  // namespace
 
-Expected<FrameMessage> read_frame(std::span<const std::uint8_t> message) {
-  if (message.size() > kMaxFrameBytes) {
-    return fail("the frame has {} bytes; at most {} are taken", message.size(), kMaxFrameBytes);
-  }
+namespace {
+
+// JSON, after what tells its length.
+Expected<std::span<const std::uint8_t>> header_of(std::span<const std::uint8_t> message) {
   if (message.size() < kPrefixBytes ||
       std::memcmp(message.data(), kFrameMagic.data(), kFrameMagic.size()) != 0) {
     return fail("the binary message is no frame: it does not begin with {}", kFrameMagic);
@@ -157,14 +157,37 @@ Expected<FrameMessage> read_frame(std::span<const std::uint8_t> message) {
   if (header_bytes > kMaxHeaderBytes || header_bytes > message.size() - kPrefixBytes) {
     return fail("the frame's header of {} bytes is too long", header_bytes);
   }
-  const auto header = message.subspan(kPrefixBytes, header_bytes);
-  constexpr std::string_view kHeader = "the frame's header";
-  ROOMWISE_TRY(const OrderedJson json,
-               in_context(kHeader, parse_object({reinterpret_cast<const char*>(header.data()),
-                                                 header.size()},
-                                                kMaxHeaderBytes)));
+  return message.subspan(kPrefixBytes, header_bytes);
+}
+
+constexpr std::string_view kHeader = "the frame's header";
+
+Expected<OrderedJson> read_header(std::span<const std::uint8_t> header) {
+  return in_context(
+      kHeader,
+      parse_object({reinterpret_cast<const char*>(header.data()), header.size()}, kMaxHeaderBytes));
+}
+
+}  // namespace
+
+std::optional<double> time_of_frame(std::span<const std::uint8_t> message) {
+  const auto header = header_of(message);
+  if (!header) return std::nullopt;
+  const auto json = read_header(*header);
+  if (!json) return std::nullopt;
+  Members members(*json);
+  const double t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
+  return members.error() ? std::nullopt : std::optional(t_ms);
+}
+
+Expected<FrameMessage> read_frame(std::span<const std::uint8_t> message) {
+  if (message.size() > kMaxFrameBytes) {
+    return fail("the frame has {} bytes; at most {} are taken", message.size(), kMaxFrameBytes);
+  }
+  ROOMWISE_TRY(const auto header, header_of(message));
+  ROOMWISE_TRY(const OrderedJson json, read_header(header));
   Members members(json);
-  const auto images = message.subspan(kPrefixBytes + header_bytes);
+  const auto images = message.subspan(kPrefixBytes + header.size());
   const auto most = static_cast<std::int64_t>(images.size());
   FrameMessage frame;
   frame.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);

@@ -122,7 +122,10 @@ OrderedJson to_json(const WatchedDevice& watched) {
 }
 
 OrderedJson to_json(const ErrorMessage& error) {
-  return {{"type", "error"}, {"text", error.text}, {"answer_to", or_null(error.answer_to)}};
+  return {{"type", "error"},
+          {"text", error.text},
+          {"answer_to", or_null(error.answer_to)},
+          {"t", or_null(error.t_ms)}};
 }
 
 Expected<HomeMessage> read_welcome(const OrderedJson& json) {
@@ -184,7 +187,7 @@ Expected<HomeMessage> read_goal_bearing(const OrderedJson& json) {
   bearing.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
   bearing.bearing_degrees = members.number("bearing_degrees", -180, 180);
   bearing.distance_m = members.number("distance_m", 0, 1e4);
-  bearing.valid_until_t_ms = members.number("valid_until_t", -kMaxTime_ms, kMaxTime_ms);
+  bearing.valid_until_t_ms = members.number("valid_until_t", -kMaxTime_ms, kMaxValidUntil_ms);
   return members.finish<HomeMessage>(bearing);
 }
 
@@ -192,7 +195,7 @@ Expected<HomeMessage> read_prompt(const OrderedJson& json) {
   Members members(json);
   PromptMessage prompt;
   if (members.has("answer_to")) prompt.answer_to = members.integer("answer_to", 0, kMaxInteger);
-  prompt.replace_key = members.text("key");
+  prompt.replace_key = members.text("key", kMaxKeyBytes);
   prompt.message_id = members.text("message");
   prompt.text = members.text("text", kMaxSentenceBytes);
   prompt.language = members.text("language");
@@ -203,7 +206,7 @@ Expected<HomeMessage> read_prompt(const OrderedJson& json) {
   if (members.has("based_on_t")) {
     prompt.based_on_t_ms = members.number("based_on_t", -kMaxTime_ms, kMaxTime_ms);
   }
-  prompt.valid_until_t_ms = members.number("valid_until_t", -kMaxTime_ms, kMaxTime_ms);
+  prompt.valid_until_t_ms = members.number("valid_until_t", -kMaxTime_ms, kMaxValidUntil_ms);
   return members.finish<HomeMessage>(std::move(prompt));
 }
 
@@ -309,6 +312,7 @@ Expected<HomeMessage> read_error(const OrderedJson& json) {
   ErrorMessage error;
   error.text = members.text("text", kMaxSentenceBytes);
   if (members.has("answer_to")) error.answer_to = members.integer("answer_to", 0, kMaxInteger);
+  if (members.has("t")) error.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
   return members.finish<HomeMessage>(std::move(error));
 }
 

@@ -16,10 +16,12 @@ namespace roomwise::service {
 
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr double kMaxTime_ms = 9e12;  // 300 years
+constexpr double kMaxTime_ms = 9e12;                      // 300 years
+constexpr double kMaxValidUntil_ms = kMaxTime_ms + 60e3;  // no prompt holds longer
 // What a double holds, as JavaScript has it.
 constexpr std::int64_t kMaxInteger = std::int64_t{1} << 53U;
 constexpr std::size_t kMaxWordBytes = 200;  // of a name, a thing, a room
+constexpr std::size_t kMaxKeyBytes = kMaxWordBytes + 50;  // of a prompt: it holds a name
 constexpr std::size_t kMaxSentenceBytes = 2'000;
 
 // What a value is called in a message.
@@ -68,6 +70,13 @@ class Members {
   std::int64_t integer(const char* name, std::int64_t least, std::int64_t most) {
     const OrderedJson* value = member(name);
     if (value == nullptr) return 0;
+    // JSON does not tell 1000.0 from 1000, and some that write it do not either.
+    if (value->is_number_float()) {
+      const double number = value->get<double>();
+      const bool is_whole = number == std::floor(number) && number >= static_cast<double>(least) &&
+                            number <= static_cast<double>(most);
+      if (is_whole) return static_cast<std::int64_t>(number);
+    }
     const bool fits = value->is_number_unsigned()
                           ? value->get<std::uint64_t>() <= static_cast<std::uint64_t>(most)
                           : value->is_number_integer() && value->get<std::int64_t>() <= most;

@@ -176,6 +176,8 @@ struct FrameMessage {
 };
 // A header without what version 2 adds is written as version 1.
 [[nodiscard]] Expected<FrameMessage> read_frame(std::span<const std::uint8_t> message);
+// The time of a frame that cannot be read otherwise, so that its sender learns which one it is.
+[[nodiscard]] std::optional<double> time_of_frame(std::span<const std::uint8_t> message);
 [[nodiscard]] Bytes write(const FrameMessage& frame);
 
 // ---- from the computer ----
@@ -296,6 +298,7 @@ struct WatchedDevice {
 struct ErrorMessage {
   std::string text;
   std::optional<std::int64_t> answer_to;
+  std::optional<double> t_ms = std::nullopt;  // of the frame that it is about
 };
 
 // What a device needs to understand; the rest is for pages.

@@ -252,6 +252,8 @@ TEST(Messages, AnErrorNamesWhatIsWrong) {
               HasSubstr("at most 500 bytes"));
   EXPECT_THAT(error_of(R"({"type":"ask","id":1,"t":0,"question":"where_is"})"),
               HasSubstr("'thing' is missing"));
+  EXPECT_THAT(error_of(R"({"type":"ask","id":1,"t":0,"question":"where_is","thing":""})"),
+              HasSubstr("'thing' must be not empty"));
   EXPECT_THAT(error_of(R"({"type":"ask","id":1,"t":0,"question":"rename_spot","spot":"a"})"),
               HasSubstr("'name' is missing"));
   EXPECT_THAT(error_of(R"({"type":"settings","step_m":-3})"), HasSubstr("'step_m'"));
@@ -270,6 +272,24 @@ TEST(Messages, TheIdOfAQuestionIsKnownThoughTheRestIsWrong) {
   EXPECT_FALSE(id_of_ask(R"({"type":"ask","id":"x"})"));
   EXPECT_FALSE(id_of_ask(R"({"type":"quiet","id":8})"));
   EXPECT_FALSE(id_of_ask("{"));
+}
+
+TEST(Messages, AWholeNumberMayBeWrittenWithAPoint) {
+  EXPECT_EQ(id_of_ask(R"({"type":"ask","id":8.0})"), 8);
+  EXPECT_FALSE(id_of_ask(R"({"type":"ask","id":8.5})"));
+  EXPECT_FALSE(id_of_ask(R"({"type":"ask","id":1e300})"));
+}
+
+TEST(Messages, TheTimeOfAFrameIsKnownThoughTheRestIsWrong) {
+  Bytes frame = write(FrameMessage{12.5, Bytes{9}, Bytes{9}});
+  frame.push_back(9);  // more than the header tells of
+  EXPECT_FALSE(read_frame(frame));
+  EXPECT_EQ(time_of_frame(frame), 12.5);
+  frame[0] = 'X';
+  EXPECT_FALSE(time_of_frame(frame));
+  const auto error = read_home_message(write(HomeMessage(ErrorMessage{"no", {}, 12.5})));
+  ASSERT_TRUE(error);
+  EXPECT_EQ(std::get<ErrorMessage>(*error).t_ms, 12.5);
 }
 
 TEST(Messages, ThatAreTooLongAreNotParsed) {

@@ -373,8 +373,14 @@ TEST_F(SocketTest, PairsWithoutSayingTheCode) {
   ASSERT_OK(code);
   const ClientWait wait{.timeout = kMax};
   const std::string wrong = code->digits == "000000" ? "000001" : "000000";
-  EXPECT_ERROR(pair_with(address(), wrong, "Cap", wait), "the code is wrong");
-  const auto paired = pair_with(address(), code->digits, "Cap", wait);
+  const auto refused = pair_with(address(), wrong, "Cap", wait);
+  EXPECT_ERROR(refused, "the code is wrong");
+  EXPECT_EQ(refused.error().refusal, PairingRefusal::kCode);
+  const auto unnamed = pair_with(address(), code->digits, std::string(65, 'x'), wait);
+  ASSERT_FALSE(unnamed);
+  EXPECT_EQ(unnamed.error().refusal, PairingRefusal::kName) << unnamed.error().message;
+  const std::string in_groups = code->digits.substr(0, 3) + " - " + code->digits.substr(3);
+  const auto paired = pair_with(address(), in_groups, "Cap", wait);
   ASSERT_OK(paired);
   EXPECT_EQ(paired->who.role, Role::kHelper);
   EXPECT_EQ(paired->credentials.fingerprint, home_.certificate.fingerprint);

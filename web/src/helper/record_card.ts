@@ -53,7 +53,7 @@ export function recordCard(helper: Helper, me: Me): HTMLElement {
     const { recording } = store.state;
     progress.textContent = recording ? wordsOf(recording) : '';
     const wasFocused = document.activeElement === stop;
-    stop.hidden = recording?.state !== 'recording';
+    stop.hidden = recording?.state !== 'recording' && recording?.state !== 'failed'; // what could not be stored ends nothing
     if (wasFocused && stop.hidden) {
       start.focus(); // not lost with the button
       isForgotten = recording === null;
