@@ -362,7 +362,8 @@ TEST_F(ProtectedHome, FindsADepthImageBetweenPicturesThatWasChanged) {
 
 TEST_F(ProtectedHome, FindsAThingWhosePicturesWereChanged) {
   make_protected("open sesame");
-  ASSERT_OK(testing::teach(*Home::open(path_, with("open sesame")), testing::sample_own_thing()));
+  Home writer = Home::open(path_, with("open sesame")).value();
+  ASSERT_OK(testing::teach(writer, testing::sample_own_thing()));
   EXPECT_OK(Home::open_read_only(path_, with("open sesame"))->verify());
   run_sql("UPDATE own_thing_views SET mask = substr(mask, 1, length(mask) - 1)");
   const Home home = Home::open_read_only(path_, with("open sesame")).value();

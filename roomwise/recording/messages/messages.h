@@ -79,8 +79,8 @@ struct InertialMessage {
 [[nodiscard]] Expected<double> decode_float(const Channel& channel,
                                             std::span<const std::uint8_t> message);
 
-// The time in the header of an image, a camera info, an odometry or an inertial message, from its first bytes;
-// nothing where they are too few or the type has no header.
+// The time in the header of an image, a camera info, an odometry or an inertial message, from its
+// first bytes; nothing where they are too few or the type has no header.
 [[nodiscard]] std::optional<TimestampNs> header_time(const Channel& channel,
                                                      std::span<const std::uint8_t> message);
 // As many first bytes nearly always do.

@@ -28,7 +28,8 @@ struct DevicePoses {
 // What the inertial sensor with most messages felt, in the camera's frame by the transforms; where
 // they do not connect the two, as if it were not turned to the camera, which is noted. Empty where
 // there is none.
-[[nodiscard]] geometry::InertialTrack find_inertial(const MessageLog& log, const TransformTree& tree,
+[[nodiscard]] geometry::InertialTrack find_inertial(const MessageLog& log,
+                                                    const TransformTree& tree,
                                                     const std::string& camera_frame,
                                                     std::vector<std::string>& notes);
 

@@ -20,7 +20,7 @@ constexpr double kMaxTime_ms = 9e12;                      // 300 years
 constexpr double kMaxValidUntil_ms = kMaxTime_ms + 60e3;  // no prompt holds longer
 // What a double holds, as JavaScript has it.
 constexpr std::int64_t kMaxInteger = std::int64_t{1} << 53U;
-constexpr std::size_t kMaxWordBytes = 200;  // of a name, a thing, a room
+constexpr std::size_t kMaxWordBytes = 200;                // of a name, a thing, a room
 constexpr std::size_t kMaxKeyBytes = kMaxWordBytes + 50;  // of a prompt: it holds a name
 constexpr std::size_t kMaxSentenceBytes = 2'000;
 

@@ -311,23 +311,21 @@ class HttpConnection final : public Connection,
     on_worker(prepare, [this](auto sockets) { on_prepared(std::move(sockets)); });
   }
 
-  std::variant<SocketHandler*, HttpAnswer> prepare_socket() {
-    if (auto refusal = identify_again()) return *std::move(refusal);
+  tl::expected<SocketHandler*, HttpAnswer> prepare_socket() {
+    if (auto refusal = identify_again()) return tl::unexpected(*std::move(refusal));
     auto found = home_->router().find(request_);
-    if (auto* refusal = std::get_if<HttpAnswer>(&found)) return std::move(*refusal);
+    if (auto* refusal = std::get_if<HttpAnswer>(&found)) return tl::unexpected(std::move(*refusal));
     const auto sockets = home_->sockets();
-    if (!sockets) return unavailable(sockets.error().message);
+    if (!sockets) return tl::unexpected(unavailable(sockets.error().message));
     return *sockets;
   }
 
-  void on_prepared(std::variant<SocketHandler*, HttpAnswer> prepared) {
-    if (auto* refusal = std::get_if<HttpAnswer>(&prepared)) {
-      return answer_at_once(std::move(*refusal));
-    }
+  void on_prepared(tl::expected<SocketHandler*, HttpAnswer> prepared) {
+    if (!prepared) return answer_at_once(std::move(prepared.error()));
     if (ending_) return shut_down();
     // From here on the stream is another's; this connection ends with this function.
     serve_socket(std::move(entry_), std::move(stream_), parser_->release(),
-                 {std::move(home_), std::get<SocketHandler*>(prepared), *request_.who}, peer_);
+                 {std::move(home_), *prepared, *request_.who}, peer_);
   }
 
   // ---- answering ----
