@@ -28,7 +28,7 @@ fs::file_time_type time_of_walk(const fs::path& walk) {
 }
 
 // A recording that was begun, and to which nothing was stored.
-bool is_empty(const fs::path& walk) {
+bool holds_no_frame(const fs::path& walk) {
   const auto list = read_text_file(walk / "rgb.txt");
   return list && recording::data_lines(*list).empty();
 }
@@ -431,7 +431,7 @@ Expected<std::vector<fs::path>> LiveHome::waiting_walks(const std::set<fs::path>
     if (is_being_made || failed.contains(entry.path())) continue;
     if (recording::find_recording_kind(entry.path()) == nullptr) continue;
     ROOMWISE_TRY(const bool is_mapped, has_recording_of(entry.path()));
-    if (!is_mapped && !is_empty(entry.path()))
+    if (!is_mapped && !holds_no_frame(entry.path()))
       by_time.emplace(time_of_walk(entry.path()), entry.path());
   }
   std::vector<fs::path> waiting;
