@@ -24,7 +24,7 @@ constexpr InertialSensorOptions kPerfect{.turning_noise_rad_sqrt_s = 0,
                                          .force_walk_m_s2_sqrt_s = 0};
 
 // Round a table and looking at it, five poses a second: z of the camera ahead, y down.
-recording::Trajectory around_a_table(int poses) {
+recording::Trajectory looking_ahead_in_a_circle(int poses) {
   Eigen::Matrix3d world_from_camera;
   world_from_camera << 0, 0, -1, 1, 0, 0, 0, -1, 0;
   recording::Trajectory truth;
@@ -39,7 +39,7 @@ recording::Trajectory around_a_table(int poses) {
 }
 
 TEST(SimulateInertialSensor, FeelsTurnsGravityAndWhatHoldsItOnItsCircle) {
-  const auto truth = around_a_table(100);
+  const auto truth = looking_ahead_in_a_circle(100);
   const InertialTrack track = simulate_inertial_sensor(truth, kPerfect);
   ASSERT_EQ(track.samples().size(), 99U * 40 + 1);
   // Away from the ends, where the spline knows no acceleration.
@@ -53,7 +53,7 @@ TEST(SimulateInertialSensor, FeelsTurnsGravityAndWhatHoldsItOnItsCircle) {
 }
 
 TEST(SimulateInertialSensor, TheTurnBetweenPicturesIsTheTruth) {
-  auto truth = around_a_table(60);
+  auto truth = looking_ahead_in_a_circle(60);
   for (std::size_t i = 0; i < truth.size(); ++i) {  // a nodding hand
     truth[i].world_from_camera.rotation =
         truth[i].world_from_camera.rotation *
@@ -73,7 +73,7 @@ TEST(SimulateInertialSensor, TheTurnBetweenPicturesIsTheTruth) {
 }
 
 TEST(SimulateInertialSensor, ErrsAsItsDataSheetSays) {
-  const auto truth = around_a_table(60);
+  const auto truth = looking_ahead_in_a_circle(60);
   const InertialTrack perfect = simulate_inertial_sensor(truth, kPerfect);
   double bias_squares = 0, noise_squares = 0;
   std::size_t noises = 0;
@@ -95,7 +95,7 @@ TEST(SimulateInertialSensor, ErrsAsItsDataSheetSays) {
 }
 
 TEST(SimulateInertialSensor, IsTheSameForTheSameSeed) {
-  const auto truth = around_a_table(10);
+  const auto truth = looking_ahead_in_a_circle(10);
   const auto last = [&](std::uint64_t seed) {
     return simulate_inertial_sensor(truth, {.seed = seed}).samples().back().force_m_s2;
   };
@@ -106,7 +106,7 @@ TEST(SimulateInertialSensor, IsTheSameForTheSameSeed) {
 TEST(SimulateInertialSensor, NamesWhatIsWrong) {
   EXPECT_ERROR(InertialSensorOptions{.rate_hz = 0}.validate(), "rate_hz");
   EXPECT_ERROR(InertialSensorOptions{.force_bias_m_s2 = std::nan("")}.validate(), "errs by");
-  EXPECT_TRUE(simulate_inertial_sensor(around_a_table(1), {}).empty());
+  EXPECT_TRUE(simulate_inertial_sensor(looking_ahead_in_a_circle(1), {}).empty());
 }
 
 }  // namespace

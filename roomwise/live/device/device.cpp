@@ -10,6 +10,7 @@
 #include "roomwise/guide/answers/watch_prompts.h"
 #include "roomwise/guide/questions/refusal_prompts.h"
 #include "roomwise/guide/words/notices.h"
+#include "roomwise/live/device/owner.h"
 #include "roomwise/pipeline/stored/stored_edits.h"
 #include "roomwise/service/protocol/prompt_message.h"
 

@@ -26,10 +26,6 @@
 
 namespace roomwise::live {
 
-// By whom a thing was taught, as the home keeps it: the device's number, which is never given
-// twice. Its name can change.
-[[nodiscard]] std::string owner_of(const service::Identity& who);
-
 // What became of a file that was handed in.
 struct TakenIn {
   std::filesystem::path path;     // of the walk: its folder, or file

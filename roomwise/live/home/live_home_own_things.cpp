@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "roomwise/live/device/owner.h"
 #include "roomwise/live/home/live_home.h"
 
 // Things that people teach a home that is open.
@@ -28,10 +29,6 @@ std::optional<std::pair<home::KeyframeId, Eigen::Vector3d>> beside_keyframe(
 }
 
 }  // namespace
-
-std::string owner_of(const service::Identity& who) {
-  return std::to_string(who.device);
-}
 
 // ---- what each is told ----
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "roomwise/guide/answers/spot_prompts.h"
+#include "roomwise/live/device/owner.h"
 #include "roomwise/live/home/live_home.h"
 
 // Places that people mark in a home that is open.
