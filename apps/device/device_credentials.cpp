@@ -71,13 +71,15 @@ tl::expected<DevicePairing, service::PairingError> find_pairing(const fs::path& 
         "give the code here: --pair CODE",
         server);
   }
-  if (stored && service::ServerConnection::open(address, *stored, wait)) {
-    return DevicePairing{*stored};
+  bool holds = false;  // as far as is known: a computer that is busy or not there says nothing
+  if (stored) {
+    const auto open = service::ServerConnection::open(address, *stored, wait);
+    if (open) return DevicePairing{*stored};
+    holds = open.error().code != ErrorCode::kRefused;
   }
   auto paired = service::pair_with(address, code, name, wait);
   if (!paired) {
-    const bool is_there = paired.error().code == ErrorCode::kRefused;
-    if (stored && !is_there) return DevicePairing{*stored};
+    if (holds) return DevicePairing{*stored};
     return tl::unexpected(std::move(paired).error());
   }
   ROOMWISE_RETURN_IF_ERROR(store_credentials(file, server, paired->credentials));

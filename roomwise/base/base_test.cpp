@@ -33,15 +33,34 @@ namespace roomwise {
 namespace {
 
 TEST(Name, IsSeenAndHasALetterOrADigit) {
-  for (const char* name :
-       {"Anna's phone", "7", "Küche", "e\u0301tage", "台所", "кухня", "٣", "🏠 1"}) {
+  for (const char* name : {"Anna's phone", "7", "Küche", "e\u0301tage", "台所", "кухня", "٣", "🏠 1",
+                           "می\u200cخواهم", "☀\uFE0F 2"}) {
     EXPECT_TRUE(is_name(name)) << name;
   }
-  for (const char* none : {"", "   ", "…", "🏠", "\u0301", "a\nb", "a\x7F", "a\u0085b",
-                           "a\u009b31mb", "\u200b", "a\u200b", "\u202eevil", "a\u2066b",
+  for (const char* none : {"",
+                           "   ",
+                           "…",
+                           "🏠",
+                           "\u0301",
+                           "a\nb",
+                           "a\x7F",
+                           "a\u0085b",
+                           "a\u009b31mb",
+                           "\u200b",
+                           "a\u200b",
+                           "\u202eevil",
+                           "a\u2066b",
                            "\ufeff"
                            "a",
-                           "a\u2028b", "a\u2029b", "a\xFF", "a\xC3"}) {
+                           "a\u2028b",
+                           "a\u2029b",
+                           "\u3164",
+                           "a\u115F",
+                           "a\u200c",
+                           "\u200d"
+                           "a",
+                           "a\xFF",
+                           "a\xC3"}) {
     EXPECT_FALSE(is_name(none)) << none;
   }
   EXPECT_TRUE(is_legible("…")) << "a note need hold no name";

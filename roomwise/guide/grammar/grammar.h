@@ -53,21 +53,26 @@ struct Corrections {
 //                of them; "[a|b]": one of them or none; both may hold each other.
 //   determiners  what may stand before a name and says nothing: articles, "my", "nearest".
 //   possessives  of these, what says that it is one's own: "my".
-//   doors        ways to name a door by its rooms: "{room} door", "{room}tür". The rest as
-//   patterns. inside       what may stand between a thing's name and its room's: "the chair in the
-//   kitchen". fillers      what may stand anywhere and says nothing: "please". endings      what a
-//   name may end with besides: "s".
-//   stops        what says, anywhere in a few words, that who is led wants to stop; waits: for a
-//   while.
-//   generic      words for any room: "room". alike: rooms, by the home's words, whose names people
-//   use for each other.
+//   doors        ways to name a door by its rooms: "{room} door", "{room}tür".
+//
+// The rest as patterns:
+//
+//   inside       what may stand between a thing's name and its room's: "the chair in the kitchen".
+//   fillers      what may stand anywhere and says nothing: "please".
+//   endings      what a name may end with besides: "s".
+//   stops        what says, anywhere in a few words, that who is led wants to stop.
+//   waits        likewise, for a while.
+//   generic      words for any room: "room".
+//   alike        rooms, by the home's words, whose names people use for each other.
 //   joins        what may stand between two questions: "and".
 //   negations    what may turn that into its opposite: "not".
-//   corrections  how one takes back what was understood, as patterns without a slot. openers: what
-//   comes before what is meant ("no", "I meant"); closers: what comes after it ("instead");
-//   denials: what comes before what is not meant ("not", "instead of"); denials_after: what comes
-//   after it; but: what may stand between that and what is meant. digraphs     how letters are
-//   typed by who has no key for them: "ae" -> "a".
+//   corrections  how one takes back what was understood, as patterns without a slot:
+//     openers        what comes before what is meant: "no", "I meant"
+//     closers        what comes after it: "instead"
+//     denials        what comes before what is not meant: "not", "instead of"
+//     denials_after  what comes after it
+//     but            what may stand between that and what is meant
+//   digraphs     how letters are typed by who has no key for them: "ae" -> "a".
 class Grammar {
  public:
   // Fails, naming the pattern, where one cannot be read, is two types' or has two slots, and where

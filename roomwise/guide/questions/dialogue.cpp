@@ -396,7 +396,12 @@ Understood in_dialogue(std::string_view text, const Phrasebook& phrases, const H
   const Corrected corrected(dialogue);
   Understood heard = understand(text, phrases, home);
   if (is_question(heard) && chooses(heard.type)) {
-    if (auto chosen = corrected.chosen(heard.type)) heard = *std::move(chosen);
+    const bool may_be_a_turn = dialogue.is_led && !has_offer && heard.type != Type::kOther;
+    if (auto chosen = corrected.chosen(heard.type)) {
+      heard = *std::move(chosen);
+      // "Left?": who is led may only say an instruction again.
+      if (may_be_a_turn && is_question(heard)) heard.outcome = Outcome::kDidYouMean;
+    }
   }
   heard = in_answer_to(dialogue.offer, std::move(heard));
   if (has_offer && !dialogue.is_led && is_question(heard) && heard.type == Type::kEnd) {

@@ -37,7 +37,8 @@ struct Dialogue {
 //
 // What is corrected is the offer that waits; else the last question; else the way on which somebody
 // is led. Who is led is led elsewhere only by a name that is the home's own, to the letter, after
-// words that say so; what else denies the way is asked about or pauses it (doubts_way). A word for
+// words that say so, or by "the other one" of two; what else denies the way, or may be an
+// instruction that they say again ("left"), is asked about or pauses it (doubts_way). A word for
 // stop comes before any correction. An offer that waits is told again to words that choose nothing
 // of it.
 [[nodiscard]] Understood in_dialogue(std::string_view text, const Phrasebook& phrases,

@@ -133,6 +133,13 @@ std::vector<Saying> sayings_of(std::string_view lines) {
   return sayings;
 }
 
+TEST(Dialogue, WhoIsLedAndSaysATurnAgainIsAskedWhatTheyMean) {
+  EXPECT_EQ(hear_in('X', "left"), "did you mean: take_me_to bedroom 1");
+  EXPECT_EQ(hear_in('X', "on my right"), "did you mean: take_me_to bedroom 2");
+  EXPECT_EQ(hear_in('X', "nächste", "de"), "did you mean: take_me_to bedroom 1");
+  EXPECT_EQ(hear_in('X', "no, the right one"), "take_me_to bedroom 2");
+}
+
 TEST(DialogueTest, WhatPeopleTakeBackIsUnderstoodInEveryLanguage) {
   for (const auto& [language, lines] : testing::kSayings) {
     for (const Saying& one : sayings_of(lines)) {

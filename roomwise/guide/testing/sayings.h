@@ -8,11 +8,14 @@
 // of what is beside them. Written down before the corrections of the catalogues were. A line each:
 // what was before, what they say, and what they mean as dialogue_test.cpp tells it.
 //
-//   N  nothing            Q  "where is the table" was answered
-//   L  is led to the kitchen, and asked for it by name      P  likewise, then asked where the table
-//   is W  bedroom 1 (to the left, nearer) or bedroom 2?        X  is led to bedroom 1, chosen of
-//   these M  the chair in the kitchen (to the left, nearer) or in the living room? D  did they mean
-//   the kitchen?
+//   N  nothing
+//   Q  "where is the table" was answered
+//   L  is led to the kitchen, and asked for it by name
+//   P  likewise, then asked where the table is
+//   W  bedroom 1 (to the left, nearer) or bedroom 2?
+//   X  is led to bedroom 1, chosen of these
+//   M  the chair in the kitchen (to the left, nearer) or in the living room?
+//   D  did they mean the kitchen?
 namespace roomwise::guide::testing {
 
 // clang-format off

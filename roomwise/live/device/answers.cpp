@@ -112,10 +112,22 @@ std::optional<guide::Prompt> no_door(const service::Ask& ask, const HomeView& ho
   return guide::no_door_prompt(ask.in_room, ask.to_room, wording, now_ns);
 }
 
+// The room of the home that somebody means: by its own name, or as it is called in their language.
+std::optional<std::string> room_meant(const std::string& asked, const HomeView& home,
+                                      const guide::Phrasebook& phrases) {
+  const auto has = [&](const std::string& name) {
+    return std::ranges::find(home.rooms, name, &rooms::Room::name) != home.rooms.end();
+  };
+  if (has(asked)) return asked;
+  const auto words = phrases.words_for(guide::Noun::Kind::kRoom, asked);
+  const auto found = std::ranges::find_if(words, has);
+  return found == words.end() ? std::nullopt : std::optional(*found);
+}
+
 // That the room in which a thing is asked for has none, where another one has.
 std::optional<guide::Prompt> none_in_room(const service::Ask& ask, const HomeView& home,
                                           const guide::Wording& wording, TimestampNs now_ns) {
-  if (ask.in_room.empty() || ask.is_way_out) return std::nullopt;
+  if (ask.is_way_out || !room_meant(ask.in_room, home, wording.phrases())) return std::nullopt;
   if (doors_asked_for(ask, home, wording.phrases())) return std::nullopt;
   const auto meant = [&](std::span<const guide::KnownThing> things) {
     return guide::thing_meant(ask.subject, things, home.concepts.vocabulary, wording.phrases());
@@ -164,18 +176,6 @@ std::vector<guide::Prompt> way_to(const service::Ask& ask, const Situation& situ
   return guide::route_prompts(*shortest, *pose, guide::thing(*meant).front(), doorways_of(home),
                               wording, now_ns, stairs,
                               is_sure ? guide::Confidence::kSure : guide::Confidence::kProbable);
-}
-
-// The room of the home that somebody means: by its own name, or as it is called in their language.
-std::optional<std::string> room_meant(const std::string& asked, const HomeView& home,
-                                      const guide::Phrasebook& phrases) {
-  const auto has = [&](const std::string& name) {
-    return std::ranges::find(home.rooms, name, &rooms::Room::name) != home.rooms.end();
-  };
-  if (has(asked)) return asked;
-  const auto words = phrases.words_for(guide::Noun::Kind::kRoom, asked);
-  const auto found = std::ranges::find_if(words, has);
-  return found == words.end() ? std::nullopt : std::optional(*found);
 }
 
 std::vector<guide::KnownThing> as_things(std::span<const rooms::Doorway> doors,
@@ -524,8 +524,9 @@ std::vector<guide::KnownThing> things_asked_for(const service::Ask& ask, const H
                                                 const guide::Phrasebook& phrases) {
   const bool is_way_out = asks_for_way_out(ask, home, phrases);
   std::vector<guide::KnownThing> things;
+  const std::string in_room = room_meant(ask.in_room, home, phrases).value_or(ask.in_room);
   for (const guide::KnownThing& thing : home.things) {
-    if (!ask.in_room.empty() && thing.room != ask.in_room) continue;
+    if (!in_room.empty() && thing.room != in_room) continue;
     if (is_way_out && !means_way_out(thing.name, phrases)) continue;
     things.push_back(thing);
     if (is_way_out) things.back().name = guide::kNameOfWayOut;

@@ -250,7 +250,8 @@ void LiveHome::tell_what_is_recorded(Device& device) {
     if (!is_own) device.send(service::RecordingState{who.device, "none", "", 0, ""});
     if (!is_own && (!recorder_ || who.role != service::Role::kHelper)) return;
     state = {recording_device_, "recording", recorder_->name(), recorder_->frames(), ""};
-    if (!is_own || is_camera_of_recording(camera)) return device.send(state);
+    // Without a camera it is a page of the device that looks on.
+    if (!is_own || !camera || is_camera_of_recording(camera)) return device.send(state);
   }
   state.state = "failed";
   state.text =

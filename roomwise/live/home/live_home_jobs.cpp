@@ -290,7 +290,12 @@ Expected<void> LiveHome::end_recording() {
     tell_of_recording(recorded, end_of_recording(*recorder, recorded, closed));
   }
   ROOMWISE_RETURN_IF_ERROR(closed);
-  if (is_being_mapped || recorder->frames() == 0) return {};
+  if (is_being_mapped) return {};
+  if (recorder->frames() == 0) {  // its name is free again
+    std::error_code ignored;
+    std::filesystem::remove_all(recorder->folder(), ignored);
+    return {};
+  }
   const auto map = [this, folder = recorder->folder()](Progress& progress) {
     return map_folder(folder, progress);
   };

@@ -152,7 +152,17 @@ geometry::InertialTrack find_inertial(const MessageLog& log, const TransformTree
   if (!channel || log.messages(*channel).empty()) return {};
   const std::string& topic = log.channels()[*channel].topic;
   InertialSamples samples(topic, /*tells_turns=*/true);
-  bool is_connected = true;
+  // Where a transform is known at any time, only what one turns is in the camera's frame.
+  const auto look_up = [&](const std::string& frame, TimestampNs at) {
+    return tree.look_up(camera_frame, frame, at);
+  };
+  bool is_connected = false;
+  for (const MessagePlace& place : log.messages(*channel)) {
+    const auto message = log.read(place).and_then(
+        [&](const Bytes& bytes) { return decode_inertial(log.channels()[*channel], bytes); });
+    is_connected = message && look_up(message->header.frame, message->sample.timestamp_ns);
+    if (is_connected) break;
+  }
   for (const MessagePlace& place : log.messages(*channel)) {
     const std::string when = format_timestamp(place.timestamp_ns) + " s";
     auto message = log.read(place).and_then(
@@ -162,9 +172,11 @@ geometry::InertialTrack find_inertial(const MessageLog& log, const TransformTree
       continue;
     }
     geometry::InertialSample& sample = message->sample;
-    const auto camera_from_imu =
-        tree.look_up(camera_frame, message->header.frame, sample.timestamp_ns);
-    is_connected = is_connected && camera_from_imu;
+    const auto camera_from_imu = look_up(message->header.frame, sample.timestamp_ns);
+    if (is_connected && !camera_from_imu) {
+      samples.leave_out(when + ": no transform says how the sensor is turned to the camera");
+      continue;
+    }
     if (camera_from_imu) {
       sample.turning_rad_s = camera_from_imu->rotation * sample.turning_rad_s;
       sample.force_m_s2 = camera_from_imu->rotation * sample.force_m_s2;

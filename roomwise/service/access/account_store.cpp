@@ -207,9 +207,9 @@ tl::expected<StaffSession, Refusal> AccountStore::sign_in(const std::string& nam
     return tl::unexpected(
         Refusal{429, fmt::format("too many passwords are tried; wait {} s", wait_s), wait_s});
   }
-  auto session = try_password(name, password, counted, now);
-  end_try(counted);
-  return session;
+  const auto end = [this](const std::string* at) { end_try(*at); };
+  const std::unique_ptr<const std::string, decltype(end)> place(&counted, end);
+  return try_password(name, password, counted, now);
 }
 
 tl::expected<StaffSession, Refusal> AccountStore::try_password(const std::string& name,

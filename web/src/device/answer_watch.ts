@@ -7,7 +7,7 @@ export const kAnsweredWithinMs = 2500;
 export const kLongMs = 3000; // then who asks is told to wait
 export const kWorthHearingMs = 15_000; // from the question on
 const kLateHoldsMs = 10_000;
-const kToWalkBy = /^(guide|route|ahead|around)\.|^where\.(close|direction)/; // messages: true of one place and heading
+const kToWalkBy = /^(guide|route|ahead|around|beside)\.|^where\.(close|direction)/; // messages: true of one place and heading
 
 export class AnswerWatch {
   private asked: number | null = null; // the newest question, until it is answered

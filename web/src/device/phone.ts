@@ -54,6 +54,11 @@ function asksTheGuide(question: Question | null): boolean {
   return question !== null && ['take_me_to', 'take_me_back', 'guide'].includes(question.question);
 }
 
+// Whether a question changes nothing, so that it may be asked again where nobody knows whether it was answered.
+function onlyAsks(question: Question): boolean {
+  return ['where_am_i', 'around_me', 'where_is', 'which_spots', 'repeat'].includes(question.question);
+}
+
 export class Phone {
   readonly state: PhoneState = {
     home: '', rooms: [], things: [], thingsInRooms: [], spots: [], online: false, camera: 'off', recording: null, pictures: 0, isWalking: false, waits: false, quiet: false,
@@ -140,8 +145,12 @@ export class Phone {
   }
 
   private askAnew(): void {
-    if (this.unanswered !== null) {
-      this.ask(this.unanswered);
+    const question = this.unanswered;
+    if (question !== null && onlyAsks(question)) {
+      this.ask(question);
+    } else if (question !== null) {
+      this.unanswered = null;
+      this.say('device.failed', 'answer');
     }
   }
 
@@ -277,6 +286,9 @@ export class Phone {
         this.hearRecording(message);
         break;
       case 'error': // its words are English and for whoever mends it
+        if (message.t !== null && message.t !== undefined) {
+          this.sender.acknowledged(message.t); // a frame that was refused
+        }
         if (message.answer_to !== null && message.answer_to !== undefined) {
           this.ledAgain.refused(message.answer_to);
           this.state.led = this.ledAgain.isLed;

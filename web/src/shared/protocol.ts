@@ -143,7 +143,7 @@ export type FromComputer =
   | ({ type: 'seen' } & Seen)
   | ({ type: 'home' } & Partial<Omit<Welcome, 'type' | 'version'>>)
   | { type: 'frame'; t: number; dropped: number }
-  | { type: 'error'; text: string; answer_to: number | null };
+  | { type: 'error'; text: string; answer_to: number | null; t: number | null };
 
 export interface Intrinsics {
   width: number;
