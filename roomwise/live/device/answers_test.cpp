@@ -246,6 +246,7 @@ TEST(Answers, ARoomThatIsAskedForAsAThingIsKnown) {
 TEST(Answers, ARoomWithoutTheThingIsNotTheWholeHome) {
   HomeView home;
   home.things = {thing("chair", "hall", {1, 1, 1})};
+  home.rooms = {{"hall", "hall"}, {"kitchen", "kitchen"}};
   const service::SpeakingSettings settings;
   using service::Question;
   for (const auto question : {Question::kWhereIs, Question::kWayTo, Question::kTakeMeTo}) {
@@ -253,6 +254,8 @@ TEST(Answers, ARoomWithoutTheThingIsNotTheWholeHome) {
     chair.in_room = "kitchen";
     EXPECT_EQ(answer(chair, {home, nullptr, settings, 0}).at(0).text,
               "I know no chair in the kitchen.");
+    chair.in_room = "cellar";
+    EXPECT_EQ(answer(chair, {home, nullptr, settings, 0}).at(0).message_id, "where.unknown");
     chair.subject = "unicorn";
     EXPECT_EQ(answer(chair, {home, nullptr, settings, 0}).at(0).message_id, "where.unknown");
   }

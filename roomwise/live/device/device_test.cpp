@@ -1175,7 +1175,7 @@ TEST_F(DeviceTest, AQuestionWithoutANewPictureIsAnsweredAtOnceAndSaysSo) {
   ask(8, 1000 + kMaxFrameAge_ms + 1, service::Question::kAroundMe);
   const auto prompts = wire->take<service::PromptMessage>();
   ASSERT_THAT(prompts, SizeIs(1));
-  EXPECT_EQ(prompts[0].message_id, "device.no_picture");
+  EXPECT_EQ(prompts[0].message_id, "device.no_new_picture");
   EXPECT_FALSE(prompts[0].based_on_t_ms);
   EXPECT_EQ(prompts[0].confidence, "unsure");
 }
