@@ -229,8 +229,9 @@ TEST_F(GuidanceTest, WhoWalksAlongAnOpeningIsNotToldOfIt) {
 
 TEST_F(GuidanceTest, WhoIsLedToADoorHearsHowWideItIs) {
   lead_to(Goal::of(layout_.doorways()[0]), {3.9, 3.45}, 0);
-  EXPECT_THAT(hear(12), ElementsAre("You are there: the door, right here.",
-                                    "The door is about 90 centimetres wide."));
+  EXPECT_THAT(hear(12),
+              ElementsAre("To the door: about 1 step.", "You are there: the door, right here.",
+                          "The door is about 90 centimetres wide."));
 }
 
 TEST_F(GuidanceTest, ADoorThatIsNarrowerThanUsualIsAnnouncedSo) {

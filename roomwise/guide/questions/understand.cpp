@@ -65,17 +65,21 @@ std::optional<SlotWords> words_in_slot(const QuestionPattern& pattern,
   const std::size_t own = pattern.before.size() + pattern.after.size();
   if (pattern.slot ? words.size() <= own : words.size() != own) return std::nullopt;
   SlotWords found{words.subspan(pattern.before.size(), words.size() - own)};
+  std::size_t slipped = 0;  // words
   const auto agree = [&](const std::vector<std::string>& wanted,
                          std::span<const std::string> said) {
     return std::ranges::equal(wanted, said, [&](const std::string& one, const std::string& other) {
       const auto slips = slips_in(one, other, forgives);
       found.slips += slips.value_or(0);
+      slipped += slips.value_or(0) > 0 ? 1 : 0;
       return slips.has_value();
     });
   };
   const bool is_asked = agree(pattern.before, words.first(pattern.before.size())) &&
                         agree(pattern.after, words.last(pattern.after.size()));
-  return is_asked ? std::optional(found) : std::nullopt;
+  // Of several words one at least is as it was said: "that oone" is not "what gone".
+  const bool is_all_slips = own > 1 && slipped == own;
+  return is_asked && !is_all_slips ? std::optional(found) : std::nullopt;
 }
 
 // That somebody may call something so. Of "is there a cup on the table" no name is left to deny:
@@ -137,10 +141,14 @@ std::optional<Reading> best_reading(std::span<const std::string> words, const Gr
                                     const NameIndex& names, bool forgives) {
   std::optional<Reading> best;
   bool has_rival = false;
+  std::optional<int> unforgiven;  // fewest slips of what must be said to the letter: "halp"
   for (const QuestionPattern& pattern : grammar.patterns()) {
-    const bool forgives_here = forgives && may_have_slips(pattern, words, names, grammar);
-    auto reading = read_as(pattern, words, names, grammar, forgives_here);
+    auto reading = read_as(pattern, words, names, grammar, forgives);
     if (!reading) continue;
+    if (reading->slips > 0 && !may_have_slips(pattern, words, names, grammar)) {
+      unforgiven = std::min(unforgiven.value_or(reading->slips), reading->slips);
+      continue;
+    }
     const bool is_rival = best && reading->rivals(*best);
     if (best && reading->rank() >= best->rank()) {
       has_rival |= is_rival;
@@ -151,7 +159,8 @@ std::optional<Reading> best_reading(std::span<const std::string> words, const Gr
     has_rival = is_as_near && (has_rival || is_rival);
     best = std::move(reading);
   }
-  return has_rival ? std::nullopt : best;
+  const bool is_another = best && best->slips > 0 && unforgiven && *unforgiven <= best->slips;
+  return has_rival || is_another ? std::nullopt : best;
 }
 
 bool is_whole(const std::optional<Reading>& reading) {
