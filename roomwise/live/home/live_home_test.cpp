@@ -965,6 +965,7 @@ TEST_F(LiveHomeTest, TheWearerIsToldOfTheRecording) {
   const auto begun = belt.wire->next<service::RecordingState>();
   EXPECT_EQ(begun.state, "recording");
   EXPECT_EQ(begun.device, 7);
+  EXPECT_EQ(belt.wire->next<service::RecordingState>().frames, 1) << "the picture is stored";
   ASSERT_OK(home->end_recording());
   EXPECT_EQ(belt.wire->next<service::RecordingState>().state, "saved");
   EXPECT_EQ(other.wire->count<service::Welcome>(), 1);
