@@ -869,6 +869,7 @@ TEST_F(LiveHomeTest, AWalkWhoseMappingFailsWhileItIsRecordedIsMappedAtItsEnd) {
   };
   const Client belt = connect(7, service::Role::kDevice);
   ASSERT_OK(home->begin_recording(7, "walk"));
+  belt.session->on_message(message_of(**walk.next()));  // which mapping waits for
   failed.get_future().wait();
   while (auto frame = walk.next().value()) belt.session->on_message(message_of(*frame));
   EXPECT_OK(home->end_recording()) << "the job is not over yet";
