@@ -70,7 +70,8 @@ Expected<MapReport> map_into(home::Home& home, recording::Recording& source,
   auto mapped = pipeline::map_recording(
       frames, recording, home, networks, stored.value_or(request.settings), run, finders,
       // What a person named since is kept.
-      [&] { return rooms ? pipeline::name_rooms_if_unnamed(home, *rooms) : Expected<void>(); });
+      [&] { return rooms ? pipeline::name_rooms_if_unnamed(home, *rooms) : Expected<void>(); },
+      source.inertial());
   if (!mapped && (frames.is_stopped() || run.lost->is_stopped())) {
     mapped.error().message += "; give skip_damaged=True to go on without it";
   }

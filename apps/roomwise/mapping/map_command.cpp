@@ -112,14 +112,28 @@ Expected<std::optional<recording::RoomLabels>> rooms_of_recording(const fs::path
 
 // Of the device's own motion, where it tells it.
 std::string motion_text(const pipeline::MapSummary& summary) {
-  if (summary.with_device_motion == 0) return "";
-  std::string text =
-      fmt::format("device      tells its motion at {} frames; {} placed by it alone\n",
-                  summary.with_device_motion, summary.motion_alone);
+  if (summary.with_device_motion == 0 && summary.felt_up == 0) return "";
+  std::string text = "device      ";
+  if (summary.with_device_motion == 0) {
+    text += fmt::format("feels up at {} frames\n", summary.felt_up);
+  } else if (summary.is_by_inertial_sensor) {
+    text += fmt::format("feels its turns at {} frames, up at {}; {} placed by turns alone\n",
+                        summary.with_device_motion, summary.felt_up, summary.motion_alone);
+  } else {
+    text += fmt::format("tells its motion at {} frames; {} placed by it alone\n",
+                        summary.with_device_motion, summary.motion_alone);
+  }
   if (summary.motion_dropped > 0) {
     text += fmt::format(
-        "            the device's own motion was dropped for {} of {} frames: it jumped\n",
-        summary.motion_dropped, summary.with_device_motion);
+        "            {} dropped for {} of {} frames: {}\n",
+        summary.is_by_inertial_sensor ? "its turns were" : "the device's own motion was",
+        summary.motion_dropped, summary.with_device_motion,
+        summary.is_by_inertial_sensor ? "pictures say otherwise" : "it jumped");
+  }
+  if (summary.contradicted_gravity > 0) {
+    text += fmt::format(
+        "            up as it is felt was dropped at {} key-frames: level surfaces say otherwise\n",
+        summary.contradicted_gravity);
   }
   return text;
 }
@@ -259,7 +273,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
     return labels ? pipeline::name_rooms_if_unnamed(home, *labels) : Expected<void>();
   };
   auto mapped = pipeline::map_recording(frames, recording, home, networks, settings, run, finders,
-                                        name_rooms);
+                                        name_rooms, source->inertial());
   if (!mapped) {
     Error why = std::move(mapped).error();
     if (frames.is_stopped() || run.lost->is_stopped()) why.message += kNamingSkipDamaged;
@@ -314,7 +328,10 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
                  {"device_motion",
                   {{"frames", summary.with_device_motion},
                    {"alone", summary.motion_alone},
-                   {"dropped", summary.motion_dropped}}},
+                   {"dropped", summary.motion_dropped},
+                   {"by_inertial_sensor", summary.is_by_inertial_sensor},
+                   {"felt_up", summary.felt_up},
+                   {"contradicted_gravity", summary.contradicted_gravity}}},
                  {"keyframes", summary.keyframes},
                  {"culled", summary.culled},
                  {"edges", summary.edges},
@@ -424,9 +441,10 @@ void add_map_command(CLI::App& app, Context& context) {
   how(command->add_flag("--no-upright", options.no_upright,
                         "Do not hold the map upright by level surfaces and walls (so does "
                         "--no-bundle-adjustment)"));
-  how(command->add_flag("--no-device-motion", options.no_device_motion,
-                        "Leave aside what the device says of its own motion (ARKit, odometry.txt; "
-                        "so does --method paper)"));
+  how(command->add_flag(
+      "--no-device-motion", options.no_device_motion,
+      "Leave aside what the device says of its own motion (ARKit, odometry.txt, imu.txt; "
+      "so does --method paper)"));
   how(command->add_flag("--no-keyframe-culling", options.no_keyframe_culling,
                         "Keep every key-frame of every walk. Without it those go, once a further "
                         "walk is mapped, that add nothing to what the walks before show"));

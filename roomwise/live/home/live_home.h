@@ -302,9 +302,11 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
                                             Progress& progress);
   // While it is recorded, to its end.
   [[nodiscard]] Expected<void> start_mapping(std::shared_ptr<const WalkRecorder> walk);
-  // `walk`: the frames in the folder. A walk that was left unfinished is finished first.
+  // `walk`: the frames in the folder; `felt`: by the device's inertial sensor, if anything. A walk
+  // that was left unfinished is finished first.
   [[nodiscard]] Expected<JobEnd> map(const std::filesystem::path& folder,
-                                     recording::FrameSource& walk, Progress& progress);
+                                     recording::FrameSource& walk,
+                                     const geometry::InertialTrack& felt, Progress& progress);
   [[nodiscard]] Expected<JobEnd> prepare(Progress& progress);
   // What a job came to that was not stopped, once the map is ready again: what is mapped already
   // answers all the same.

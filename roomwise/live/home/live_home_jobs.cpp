@@ -329,7 +329,7 @@ Expected<void> LiveHome::go_on_mapping() {
 
 Expected<JobEnd> LiveHome::map_folder(const fs::path& folder, Progress& progress) {
   ROOMWISE_TRY(const auto walk, recording::open_recording(folder));
-  return map(folder, *walk, progress);
+  return map(folder, *walk, walk->inertial(), progress);
 }
 
 // Takes no place: it waits for frames as long as somebody walks.
@@ -345,7 +345,7 @@ Expected<void> LiveHome::start_mapping(std::shared_ptr<const WalkRecorder> walk)
         return JobEnd{"nothing was recorded", "nothing_waited"};
       }
       ROOMWISE_TRY(const auto frames, WalkFrames::open(walk, progress));
-      return map(walk->folder(), *frames, progress);
+      return map(walk->folder(), *frames, {}, progress);
     }();
     grows(nullptr);  // where that failed, it is mapped anew at its end
     return with_map_ready(std::move(mapped), progress);
@@ -360,7 +360,7 @@ void LiveHome::begin_lost_pictures() {
 }
 
 Expected<JobEnd> LiveHome::map(const fs::path& folder, recording::FrameSource& walk,
-                               Progress& progress) {
+                               const geometry::InertialTrack& felt, Progress& progress) {
   ROOMWISE_TRY(const auto unfinished, unfinished_walk());
   if (unfinished && *unfinished != folder) {
     const auto finished = map_folder(*unfinished, progress);
@@ -392,7 +392,7 @@ Expected<JobEnd> LiveHome::map(const fs::path& folder, recording::FrameSource& w
       return {};
     };
     auto mapped = pipeline::map_recording(frames, recording, home_, networks_, settings, run,
-                                          finders_, name_rooms);
+                                          finders_, name_rooms, felt);
     if (!mapped || !mapped->finished)
       ROOMWISE_RETURN_IF_ERROR(refresh(nullptr));  // it may be forgotten
     ROOMWISE_TRY(summary, std::move(mapped));

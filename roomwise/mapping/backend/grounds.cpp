@@ -39,11 +39,27 @@ void Grounds::measure(std::span<const KeyframeId> ids, std::span<const KeyframeI
       const auto [one, is_new] = measured_.try_emplace(ids[i]);
       if (!is_new && !std::ranges::binary_search(own, ids[i])) continue;
       one->second.reset();
-      if (!(up.support > 0) || !turning_rad_s[ids[i]]) continue;
-      one->second = measure_up(features[i].normals,
-                               world_from_keyframe[ids[i]].rotation.conjugate() * up.up_world,
-                               *turning_rad_s[ids[i]], options_);
+      if (up.support > 0 && turning_rad_s[ids[i]]) {
+        one->second = measure_up(features[i].normals,
+                                 world_from_keyframe[ids[i]].rotation.conjugate() * up.up_world,
+                                 *turning_rad_s[ids[i]], options_);
+      }
+      add_felt(ids[i], one->second);
     }
+  }
+}
+
+void Grounds::add_felt(KeyframeId id, std::optional<UpMeasurement>& level) {
+  contradicted_.erase(id);
+  const auto gravity = gravity_.find(id);
+  if (gravity == gravity_.end()) return;
+  const UpMeasurement felt = felt_up(gravity->second);
+  if (!level) {
+    level = felt;
+  } else if (contradict(*level, felt)) {
+    contradicted_.insert(id);
+  } else {
+    level = together(*level, felt);
   }
 }
 

@@ -70,6 +70,40 @@ TEST(Grounds, UpIsWhereTheDeviceFeelsItAndNotAlongItsPicture) {
   for (const Ground& ground : phone.measured(grounds)) EXPECT_LT(tilt_rad(ground), 1e-6);
 }
 
+TEST(Grounds, WhereNothingIsLevelUpIsAsTheDeviceFeelsIt) {
+  Sideways phone;
+  for (KeyframeFeatures& seen : phone.features) seen.normals.clear();
+  phone.turning[1].reset();
+  Grounds grounds({}, phone.component);
+  for (const KeyframeId id : phone.ids)
+    grounds.add_gravity(id, phone.poses[id].rotation.conjugate() * kUpWorld);
+  EXPECT_EQ(keyframes_of(phone.measured(grounds)), (std::vector<NodeId>{0, 1, 2, 3}));
+  for (const Ground& ground : phone.measured(grounds)) EXPECT_LT(tilt_rad(ground), 1e-6);
+}
+
+// Level surfaces are surer than what is felt, and decide; far off, that does not count at all.
+TEST(Grounds, WhatIsLevelDecidesOverWhatIsFelt) {
+  Sideways phone;
+  phone.component = {0, 0, 0, 0};  // most of which agree
+  for (const double off_rad : {0.1, 0.3}) {
+    const Eigen::AngleAxisd off(off_rad, Vector3d::UnitX());
+    Grounds grounds({}, phone.component);
+    for (const KeyframeId id : phone.ids) {
+      grounds.add_gravity(
+          id, phone.poses[id].rotation.conjugate() * (id == 0 ? off * kUpWorld : kUpWorld));
+    }
+    grounds.measure(phone.ids, phone.ids, phone.features, phone.poses, phone.turning);
+    EXPECT_EQ(grounds.contradicted(), off_rad > 0.2 ? 1U : 0U);
+    const Ground ground = phone.under(grounds)[0];
+    const double tilt = tilt_rad(ground);
+    EXPECT_LT(tilt, 0.001);
+    if (off_rad > 0.2)
+      EXPECT_LT(tilt, 1e-6) << "it was dropped";
+    else
+      EXPECT_GT(tilt, 1e-6) << "it counts a little";
+  }
+}
+
 TEST(Grounds, EachComponentHasOneWithAnEdgeToEachOfItsKeyframes) {
   const Sideways phone;
   const auto grounds = phone.measured(Grounds({}, phone.component));

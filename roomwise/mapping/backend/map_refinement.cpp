@@ -142,6 +142,7 @@ class Refiner {
     if (is_whole) readout_s_ = adjusted.front().readout_s;
     sum_up(adjusted, refinement);
     refinement.world_from_keyframe = poses_;
+    refinement.contradicted_gravity = grounds_.contradicted();
     if (knows_velocity_) refinement.readout_s = readout_s_;
     return refinement;
   }

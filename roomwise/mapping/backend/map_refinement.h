@@ -61,6 +61,8 @@ struct MapRefinement {
   // Of the last walk's rolling shutter; nothing where no frame is near enough in time to another
   // for the camera's motion to be known.
   std::optional<double> readout_s;
+  // Key-frames at which up as the device felt it was dropped, since what is level contradicts it.
+  std::size_t contradicted_gravity = 0;
   double rms_px = 0;  // of the views: see BundleReport
   int iterations = 0;
   geometry::Termination termination = geometry::Termination::kConverged;  // of the last round

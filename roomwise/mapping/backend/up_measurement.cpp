@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "roomwise/geometry/inertial_track.h"
+
 namespace roomwise::mapping {
 namespace {
 
@@ -39,6 +41,19 @@ TurnEquations turn_equations(std::span<const Eigen::Vector3f> normals, const Vec
   return equations;
 }
 
+// Two axes across a direction.
+Eigen::Matrix<double, 3, 2> across_of(const Vector3d& up) {
+  Eigen::Matrix<double, 3, 2> across;
+  across.col(0) = up.unitOrthogonal();
+  across.col(1) = up.cross(across.col(0));
+  return across;
+}
+
+// The smallest turn that takes one direction to the other, as a rotation vector.
+Vector3d turn_between(const Vector3d& from, const Vector3d& to) {
+  return geometry::rotation_vector_rad(Eigen::Quaterniond::FromTwoVectors(from, to));
+}
+
 }  // namespace
 
 Expected<void> UpMeasurementOptions::validate() const {
@@ -68,8 +83,7 @@ std::optional<UpMeasurement> measure_up(std::span<const Eigen::Vector3f> normals
     TurnEquations equations = turn_equations(normals_camera, up, options.inlier_angle_rad);
     if (equations.hessian.isZero()) return std::nullopt;
     equations.rhs += kExpected * up.cross(expected_up_camera);
-    across.col(0) = up.unitOrthogonal();
-    across.col(1) = up.cross(across.col(0));
+    across = across_of(up);
     known = across.transpose() * equations.hessian * across;
     const Matrix2d with_expected = known + kExpected * Matrix2d::Identity();
     const Vector3d turn = across * (with_expected.inverse() * (across.transpose() * equations.rhs));
@@ -84,6 +98,32 @@ std::optional<UpMeasurement> measure_up(std::span<const Eigen::Vector3f> normals
                               systematic * systematic * Matrix2d::Identity() +
                               lag * lag.transpose();
   return UpMeasurement{up, across * covariance.inverse() * across.transpose()};
+}
+
+UpMeasurement felt_up(const Vector3d& up_camera) {
+  constexpr double kInformation = 1 / (geometry::kUpSigma_rad * geometry::kUpSigma_rad);
+  return {up_camera, kInformation * (Matrix3d::Identity() - up_camera * up_camera.transpose())};
+}
+
+bool contradict(const UpMeasurement& one, const UpMeasurement& other) {
+  constexpr double kContradiction = 13.8;  // two degrees of freedom
+  const Eigen::Matrix<double, 3, 2> across = across_of(one.up_camera);
+  const auto covariance = [&](const UpMeasurement& measured) {
+    return Matrix2d((across.transpose() * measured.information * across).inverse());
+  };
+  const Vector2d apart = across.transpose() * turn_between(one.up_camera, other.up_camera);
+  return apart.dot((covariance(one) + covariance(other)).inverse() * apart) > kContradiction;
+}
+
+UpMeasurement together(const UpMeasurement& one, const UpMeasurement& other) {
+  const Eigen::Matrix<double, 3, 2> across = across_of(one.up_camera);
+  const Matrix2d of_other = across.transpose() * other.information * across;
+  const Matrix2d of_both = across.transpose() * one.information * across + of_other;
+  const Vector2d apart = across.transpose() * turn_between(one.up_camera, other.up_camera);
+  const Vector3d turn = across * (of_both.inverse() * (of_other * apart));
+  const Vector3d up = geometry::rotation_by(turn) * one.up_camera;
+  const Matrix3d level = Matrix3d::Identity() - up * up.transpose();
+  return {up, level * (one.information + other.information) * level};
 }
 
 PoseGraphEdge up_edge(NodeId ground, const RigidTransform& world_from_ground, NodeId keyframe,

@@ -37,6 +37,15 @@ struct UpMeasurement {
     std::span<const Eigen::Vector3f> normals_camera, const Eigen::Vector3d& expected_up_camera,
     const Eigen::Vector3d& turning_rad_s, const UpMeasurementOptions& options = {});
 
+// Up as the device of a key-frame felt it, unit length (geometry::kUpSigma_rad).
+[[nodiscard]] UpMeasurement felt_up(const Eigen::Vector3d& up_camera);
+
+// Whether two measurements of one key-frame are further apart than once in a thousand times.
+[[nodiscard]] bool contradict(const UpMeasurement& one, const UpMeasurement& other);
+
+// What two measurements say together, by how sure each is. They must not contradict each other.
+[[nodiscard]] UpMeasurement together(const UpMeasurement& one, const UpMeasurement& other);
+
 // The measurement as an edge from the ground, a node whose z axis is up, to the key-frame: it holds
 // the key-frame's tilt and leaves it free to turn about up and to be anywhere. It is made at the
 // poses given, where it weighs as Cauchy's kernel of so many sigmas says.

@@ -72,7 +72,7 @@ void Mapper::restore(std::span<const PoseGraphEdge> edges, std::span<const Frame
     if (frame.place) set_reference(frame.place->keyframe);
     frames_lost_ = frame.place ? 0 : frames_lost_ + 1;
     frames_.push_back(frame);
-    mark_ = device_.mark(frame);
+    if (!gyroscope_) mark_ = device_.mark(frame);
     if (mark_ && is_keyframe(frame))
       marked_keyframe_ = MarkedKeyframe{frame.place->keyframe, *mark_};
     take_device_motion(frame);
@@ -90,9 +90,13 @@ Expected<MapUpdate> Mapper::add_frame(std::uint64_t frame_index, TimestampNs tim
                                       motion::FrameMeasurements measurements,
                                       const std::optional<geometry::DeviceMotion>& device) {
   Frame& frame = frames_.emplace_back(Frame{frame_index, timestamp_ns, std::nullopt, {}});
-  if (device && options_.takes_device_motion()) frame.motion = scene::FrameMotion{*device};
-  mark_ = device_.mark(frame);
-  if (device_.jumps_to(frame)) drop_device_motion();
+  if (gyroscope_) {
+    frame.motion = felt_motion(timestamp_ns);
+  } else {
+    if (device && options_.takes_device_motion()) frame.motion = scene::FrameMotion{*device};
+    mark_ = device_.mark(frame);
+    if (device_.jumps_to(frame)) drop_device_motion();
+  }
   ROOMWISE_TRY(MapUpdate step, place_newest(std::move(measurements)));
   take_device_motion(frames_.back());
   return step;
@@ -226,6 +230,8 @@ Mapper::Outcome Mapper::track(const motion::FrameMeasurements& current) {
     return motion::estimate_motion(measured->features(), current.features(), camera_,
                                    options_.locator.features, random);
   }
+  if (const auto turned = predict_turned_pose())
+    return track_by_turn(*measured, current, *turned, random);
   const auto by_device = device_pose_in_reference();
   // What pictures said while the device was silent is newer than what it knows.
   const bool is_outdated =

@@ -7,6 +7,7 @@
 
 #include "roomwise/mapping/frontend/appearance_index.h"
 #include "roomwise/mapping/frontend/device_odometry.h"
+#include "roomwise/mapping/frontend/gyroscope.h"
 #include "roomwise/mapping/frontend/keyframe.h"
 #include "roomwise/mapping/frontend/keyframe_graph.h"
 #include "roomwise/mapping/frontend/mapper_options.h"
@@ -43,6 +44,10 @@ struct MapUpdate {
 // frame that pictures do not place at all is placed by it alone, as a key-frame where the camera
 // moved far and shows something.
 //
+// Where the device tells no motion but has an inertial sensor, the prediction turns as that does;
+// what pictures say of a frame takes it in. A frame that pictures do not place is placed by it and
+// the walk as it goes on, for a second. Frames keep where up is felt.
+//
 // A map may be made from several walks, one after the other. A later walk begins as a component of
 // its own, and its key-frames are compared with those of the walks before it as with its own. It
 // goes on from none of theirs where it comes back to a place: what it saw is to be kept.
@@ -60,6 +65,10 @@ class Mapper {
   // Options must be valid.
   Mapper(const geometry::PinholeCamera& camera, const MapperOptions& options,
          WorkingSet working_set = {});
+
+  // What the device's inertial sensor felt along this walk, frames that tell their own motion
+  // aside. Before the first frame, and before restore(); not empty.
+  void feel(geometry::InertialTrack track);
 
   // Takes back what earlier runs had mapped up to a checkpoint: first all key-frames, by id, then
   // the rest. Those from `first_keyframe` on, and the frames, are of the walk that goes on: none
@@ -125,6 +134,22 @@ class Mapper {
   // What the newest frame says of the device's motion, once it has its place.
   void take_device_motion(const Frame& frame);
   void drop_device_motion();
+  // Of a frame, by the inertial sensor.
+  [[nodiscard]] std::optional<scene::FrameMotion> felt_motion(TimestampNs timestamp_ns) const;
+  void learn_bias();
+  // How the camera went from one frame to the next.
+  [[nodiscard]] std::optional<geometry::RigidTransform> step(const Frame& from,
+                                                             const Frame& to) const;
+  // The last frame before the newest that pictures placed, relative to the reference; nothing where
+  // no edges lead there.
+  [[nodiscard]] std::optional<StampedMotion> last_seen() const;
+  // predict_pose(), turned as the inertial sensor says since pictures last placed a frame; nothing
+  // where that is long ago.
+  [[nodiscard]] std::optional<motion::PosePrior> predict_turned_pose() const;
+  [[nodiscard]] motion::MotionOutcome track_by_turn(const motion::FrameMeasurements& reference,
+                                                    const motion::FrameMeasurements& current,
+                                                    const motion::PosePrior& prior,
+                                                    const RandomStream& random);
   // Where the newest frame is by the device's motion since the anchor, relative to the anchor's
   // key-frame, and relative to the reference.
   [[nodiscard]] std::optional<motion::PosePrior> device_pose() const;
@@ -209,6 +234,7 @@ class Mapper {
   std::optional<DeviceMark> mark_;                 // of the newest frame
   std::optional<MarkedKeyframe> marked_keyframe_;  // the newest one
   std::optional<DeviceAnchor> anchor_;
+  std::optional<Gyroscope> gyroscope_;  // and accelerometer
   AppearanceIndex index_;  // of all key-frames, where the method looks for similar ones
 };
 

@@ -1,6 +1,7 @@
 // The part of Mapper that takes the device's own motion for a prior.
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "roomwise/mapping/frontend/mapper.h"
@@ -12,9 +13,13 @@ using scene::MotionUse;
 
 // e^T Omega e with six degrees of freedom is above this once in ten thousand times.
 constexpr double kContradiction = 28;
+constexpr double kTurnContradiction = 21;  // the same with three
 // What pictures err by although they are sure: rolling shutter, depth.
 constexpr double kPicturesSigma_m = 0.01;
 constexpr double kPicturesSigma_rad = 0.01;
+
+// So long somebody is believed to walk on as he did: 0.4 m off is all that a place may be.
+constexpr double kLongestByTurn_s = 1;
 
 // What the place of the anchor errs by itself.
 constexpr double kAnchorSigma_m = 0.004;
@@ -25,6 +30,16 @@ bool contradicts(const motion::MotionOutcome& outcome, const motion::PosePrior& 
   both.information =
       motion::with_systematic_error(prior.information, kPicturesSigma_m, 0.5 * kPicturesSigma_rad);
   return motion::squared_mahalanobis(outcome.pose.reference_from_current, both) > kContradiction;
+}
+
+bool contradicts_turn(const motion::MotionOutcome& outcome, const motion::PosePrior& prior) {
+  motion::PosePrior turn = prior;
+  turn.information =
+      motion::with_systematic_error(prior.information, kPicturesSigma_m, 0.5 * kPicturesSigma_rad);
+  turn.information.topRows<3>().setZero();
+  turn.information.leftCols<3>().setZero();
+  return motion::squared_mahalanobis(outcome.pose.reference_from_current, turn) >
+         kTurnContradiction;
 }
 
 // What a device says alone, where the walk would go on elsewhere: that is how unsure it is, since
@@ -42,6 +57,11 @@ geometry::Matrix6d doubted(const geometry::Matrix6d& information,
   return motion::with_systematic_error(information, apart.distance_m(), 0.5 * apart.angle_rad());
 }
 
+// Whether pictures placed it.
+bool is_seen(const scene::Frame& frame) {
+  return frame.place && !(frame.motion && frame.motion->use == MotionUse::kAlone);
+}
+
 bool is_seen(const motion::MotionOutcome& outcome) {
   return outcome.found() && !outcome.rests_on_prior;
 }
@@ -52,7 +72,98 @@ bool Mapper::is_keyframe(const Frame& frame) const {
   return frame.place && keyframes_[frame.place->keyframe].frame_index == frame.index;
 }
 
+void Mapper::feel(geometry::InertialTrack track) {
+  if (options_.takes_device_motion()) gyroscope_.emplace(std::move(track));
+}
+
+std::optional<scene::FrameMotion> Mapper::felt_motion(TimestampNs timestamp_ns) const {
+  const auto rotation = gyroscope_->track().world_from_camera(timestamp_ns);
+  if (!rotation) return std::nullopt;
+  return scene::FrameMotion{
+      {{*rotation, Eigen::Vector3d::Zero()}, gyroscope_->track().up_camera(timestamp_ns)}};
+}
+
+void Mapper::learn_bias() {
+  // The two frames before stay as they are: who goes on later learns the same.
+  if (frames_.size() < 3) return;
+  const Frame& from = frames_[frames_.size() - 3];
+  const Frame& to = frames_[frames_.size() - 2];
+  const auto tells = [](const Frame& frame) {
+    return is_seen(frame) && frame.motion && frame.motion->use == MotionUse::kTaken;
+  };
+  if (!tells(from) || !tells(to)) return;
+  if (const auto shown = step(from, to))
+    gyroscope_->learn(from.timestamp_ns, to.timestamp_ns, shown->rotation);
+}
+
+std::optional<geometry::RigidTransform> Mapper::step(const Frame& from, const Frame& to) const {
+  if (!from.place || !to.place) return std::nullopt;
+  const geometry::RigidTransform camera_from_keyframe = from.place->keyframe_from_camera.inverse();
+  if (from.place->keyframe == to.place->keyframe)
+    return camera_from_keyframe * to.place->keyframe_from_camera;
+  const auto way = graph_.between(from.place->keyframe, to.place->keyframe);
+  if (!way) return std::nullopt;
+  return camera_from_keyframe * *way * to.place->keyframe_from_camera;
+}
+
+std::optional<StampedMotion> Mapper::last_seen() const {
+  if (frames_.size() < 2) return std::nullopt;
+  std::size_t i = frames_.size() - 2;
+  auto pose = pose_in_reference(frames_[i]);
+  while (pose && !is_seen(frames_[i])) {
+    const auto back = i > 0 ? step(frames_[i], frames_[i - 1]) : std::nullopt;
+    if (!back) return std::nullopt;
+    --i;
+    pose = StampedMotion{pose->keyframe_from_camera * *back, frames_[i].timestamp_ns};
+  }
+  return pose;
+}
+
+std::optional<motion::PosePrior> Mapper::predict_turned_pose() const {
+  if (!gyroscope_ || !frames_.back().motion) return std::nullopt;
+  const auto seen = last_seen();
+  const auto by_walk = predict_pose();
+  if (!seen || !by_walk) return std::nullopt;
+  const TimestampNs now_ns = frames_.back().timestamp_ns;
+  const double since_s = seconds_between(seen->timestamp_ns, now_ns);
+  const auto turn = gyroscope_->turn(seen->timestamp_ns, now_ns);
+  if (!turn || since_s > kLongestByTurn_s) return std::nullopt;
+  const auto turned = [&](const geometry::RigidTransform& pose) {
+    return geometry::RigidTransform{seen->keyframe_from_camera.rotation * turn->from_from_to,
+                                    pose.translation};
+  };
+  // Where the walk goes is known from two frames.
+  const double sigma_m = (by_walk->other_start ? 1 : 2) * walk_sigma_m(since_s);
+  motion::PosePrior prior =
+      motion::PosePrior::around(turned(by_walk->reference_from_current), sigma_m,
+                                std::hypot(turn->sigma_rad, kAnchorSigma_rad));
+  if (by_walk->other_start) prior.other_start = turned(*by_walk->other_start);
+  return prior;
+}
+
+motion::MotionOutcome Mapper::track_by_turn(const motion::FrameMeasurements& reference,
+                                            const motion::FrameMeasurements& current,
+                                            const motion::PosePrior& prior,
+                                            const RandomStream& random) {
+  const auto locate = [&](const std::optional<motion::PosePrior>& from) {
+    return motion::locate_frame(reference, current, from, camera_, options_.locator, random);
+  };
+  const motion::MotionOutcome expected = locate(prior);
+  if (is_seen(expected) && !contradicts_turn(expected, prior)) return expected;
+  const motion::MotionOutcome by_walk = locate(predict_pose());
+  for (const motion::MotionOutcome& outcome : {by_walk, expected}) {
+    if (!is_seen(outcome)) continue;
+    if (contradicts_turn(outcome, prior)) frames_.back().motion->use = MotionUse::kDropped;
+    return outcome;
+  }
+  return expected.found() ? expected : by_walk;
+}
+
 void Mapper::take_device_motion(const Frame& frame) {
+  if (gyroscope_) {
+    learn_bias();
+    return;
+  }
   device_.pass(frame);
   if (!mark_ || !frame.place) return;
   // Relative to itself a key-frame is where it is, whatever brought it there.
@@ -86,6 +197,8 @@ std::optional<motion::PosePrior> Mapper::device_pose_in_reference() const {
 }
 
 std::optional<Mapper::DeadReckonedPose> Mapper::dead_reckoned_pose() const {
+  if (const auto turned = predict_turned_pose())
+    return DeadReckonedPose{reference_history_.back(), *turned};
   if (const auto by_device = device_pose()) {
     DeadReckonedPose reckoned{anchor_->place.keyframe, *by_device};
     reckoned.in_keyframe.information =

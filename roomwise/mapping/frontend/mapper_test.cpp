@@ -477,6 +477,131 @@ TEST_F(DeviceMotionTest, RestoredGoesOnAsIfNeverStopped) {
   }
 }
 
+// A walk whose device has an inertial sensor, with a bias, two hundred samples a second.
+class InertialMapperTest : public DeviceMotionTest {
+ protected:
+  static constexpr TimestampNs kFrame_ns = 33'000'000;
+  static inline const Eigen::Vector3d kUpWorld = -Eigen::Vector3d::UnitY();
+
+  // Frames as they are in pose_at(), turned evenly in between. `aside_rad_s`: what the sensor feels
+  // besides from frame 10 to 20.
+  static geometry::InertialTrack felt(double aside_rad_s = 0) {
+    std::vector<geometry::InertialSample> samples;
+    for (TimestampNs now = 0; now < 60 * kFrame_ns; now += 5'000'000) {
+      const int frame = static_cast<int>(now / kFrame_ns);
+      const Eigen::Quaterniond step =
+          pose_at(frame).rotation.conjugate() * pose_at(frame + 1).rotation;
+      Eigen::Vector3d turning_rad_s = geometry::rotation_vector_rad(step) / 0.033;
+      if (frame >= 10 && frame < 20) turning_rad_s.y() += aside_rad_s;
+      samples.push_back({now, turning_rad_s + Eigen::Vector3d(0.02, 0.03, -0.02),
+                         pose_at(frame).rotation.conjugate() * (9.8 * kUpWorld)});
+    }
+    return {std::move(samples), true};
+  }
+  void add_all(Mapper& mapper, int from, int to, int dark_from, int dark_to) {
+    for (int frame = from; frame < to; ++frame) {
+      const bool is_dark = frame >= dark_from && frame < dark_to;
+      add(mapper, frame, is_dark ? Shows::kNothing : Shows::kAll, std::nullopt);
+    }
+  }
+};
+
+TEST_F(InertialMapperTest, TurnsCarryItThroughAShortDarkness) {
+  Mapper mapper(kCamera, {});
+  mapper.feel(felt());
+  add_all(mapper, 0, 40, 12, 20);
+  expect_all_placed(mapper);
+  expect_one_component_within(mapper, 0.1);
+  for (std::size_t frame = 1; frame < 40; ++frame) {
+    if (frame == 20) continue;  // lit again, it shows what no key-frame shows
+    EXPECT_EQ(use_at(mapper, frame), frame >= 12 && frame < 20 ? Use::kAlone : Use::kTaken)
+        << frame;
+  }
+  const auto solved = solve_map(mapper.keyframes().size(), mapper.edges());
+  for (const KeyframeStamp& keyframe : mapper.keyframes()) {
+    const auto truth = pose_at(0).inverse() * pose_at(static_cast<int>(keyframe.frame_index));
+    const auto& pose = solved->world_from_keyframe[keyframe.id];
+    EXPECT_LT((truth.inverse() * pose).angle_rad(), 0.05) << keyframe.id;
+  }
+}
+
+TEST_F(InertialMapperTest, ButNotThroughALongOne) {
+  Mapper mapper(kCamera, {});
+  mapper.feel(felt());
+  add_all(mapper, 0, 58, 12, 55);
+  EXPECT_TRUE(mapper.frames()[41].place) << "less than a second";
+  EXPECT_FALSE(mapper.frames()[43].place) << "more: where it walked to nobody knows";
+}
+
+TEST_F(InertialMapperTest, IsDroppedWhereThePicturesSaySurelyThatItDidNotTurnSo) {
+  Mapper mapper(kCamera, {}), right(kCamera, {});
+  mapper.feel(felt(3));
+  right.feel(felt());
+  add_all(mapper, 0, 30, 0, 0);
+  add_all(right, 0, 30, 0, 0);
+  expect_all_placed(mapper);
+  expect_one_component_within(mapper, 0.02);
+  for (std::size_t frame = 1; frame < 30; ++frame) {
+    // At its ends it may be out of step only.
+    const bool is_wrong = frame > 11 && frame < 20;
+    if (is_wrong || frame < 10 || frame > 21) {
+      EXPECT_EQ(use_at(mapper, frame), is_wrong ? Use::kDropped : Use::kTaken) << frame;
+    }
+    EXPECT_EQ(use_at(right, frame), Use::kTaken) << frame;
+  }
+}
+
+TEST_F(InertialMapperTest, LeftAsideIsAsIfThereWereNone) {
+  MapperOptions without;
+  without.device_motion = false;
+  Mapper left_aside(kCamera, without), none(kCamera, {});
+  left_aside.feel(felt());
+  add_all(left_aside, 0, 30, 12, 18);
+  add_all(none, 0, 30, 12, 18);
+  EXPECT_FALSE(left_aside.frames()[15].place.has_value());
+  expect_same_edges(left_aside, none);
+  expect_same_frames(left_aside, none);
+}
+
+TEST_F(InertialMapperTest, AnAccelerometerAloneTellsUpAndChangesNoPlace) {
+  std::vector<geometry::InertialSample> samples;
+  for (TimestampNs now = 0; now < 60 * kFrame_ns; now += 5'000'000)
+    samples.push_back({now, Eigen::Vector3d::Zero(), 9.8 * kUpWorld});
+  Mapper mapper(kCamera, {}), none(kCamera, {});
+  mapper.feel({std::move(samples), false});
+  add_all(mapper, 0, 30, 12, 18);
+  add_all(none, 0, 30, 12, 18);
+  expect_same_edges(mapper, none);
+  expect_same_frames(mapper, none);
+  ASSERT_TRUE(mapper.frames()[10].motion);
+  EXPECT_LT((*mapper.frames()[10].motion->device.up_camera - kUpWorld).norm(), 1e-9);
+}
+
+TEST_F(InertialMapperTest, RestoredGoesOnAsIfNeverStopped) {
+  const auto restored = [&](Mapper& mapper, Mapper& from) {
+    mapper.feel(felt());
+    restore(mapper, from);
+  };
+  Mapper whole(kCamera, {});
+  whole.feel(felt());
+  add_all(whole, 0, 40, 14, 20);
+  for (const int stop : {5, 12, 16, 24}) {
+    Mapper first(kCamera, {});
+    first.feel(felt());
+    int frame = stop;
+    add_all(first, 0, stop, 14, 20);
+    while (first.keyframes().back().frame_index != static_cast<std::uint64_t>(frame - 1)) {
+      add_all(first, frame, frame + 1, 14, 20);
+      ++frame;
+    }
+    Mapper second(kCamera, {});
+    restored(second, first);
+    add_all(second, frame, 40, 14, 20);
+    expect_same_edges(second, whole);
+    expect_same_frames(second, whole);
+  }
+}
+
 TEST_F(CombinedMapperTest, GoesOnFromKeyframesThatItKnows) {
   Mapper mapper(kCamera, reuses_all());
   for (int i = 0; i < 25; ++i) add_at(mapper, i, to_and_fro(i));

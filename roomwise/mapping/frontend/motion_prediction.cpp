@@ -24,11 +24,15 @@ RigidTransform scaled(const RigidTransform& motion, double ratio) {
 
 }  // namespace
 
+double walk_sigma_m(double ahead_s) {
+  return kTranslationSigma_m + kTranslationSigma_m_s * ahead_s;
+}
+
 motion::PosePrior predict_motion(const std::optional<StampedMotion>& older,
                                  const StampedMotion& newer, TimestampNs later_ns) {
   const double ahead_s = seconds_between(newer.timestamp_ns, later_ns);
   // How far a person's movement can differ from what is predicted.
-  const double translation_m = kTranslationSigma_m + kTranslationSigma_m_s * ahead_s;
+  const double translation_m = walk_sigma_m(ahead_s);
   const double rotation_rad = kRotationSigma_rad + kRotationSigma_rad_s * ahead_s;
   const RigidTransform& pose = newer.keyframe_from_camera;
   const double behind_s = older ? seconds_between(older->timestamp_ns, newer.timestamp_ns) : 0;

@@ -18,4 +18,7 @@ struct StampedMotion {
 [[nodiscard]] motion::PosePrior predict_motion(const std::optional<StampedMotion>& older,
                                                const StampedMotion& newer, TimestampNs later_ns);
 
+// How far the place of that is off after so long, one sigma on each axis, m.
+[[nodiscard]] double walk_sigma_m(double ahead_s);
+
 }  // namespace roomwise::mapping

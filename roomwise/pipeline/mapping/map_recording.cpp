@@ -251,6 +251,7 @@ Expected<void> solve(home::Home& home, const MapSettings& settings, mapping::Map
       summary.landmarks = solved.refinement->landmarks;
       summary.landmark_views = solved.refinement->views;
       summary.readout_s = solved.refinement->readout_s;
+      summary.contradicted_gravity = solved.refinement->contradicted_gravity;
     }
     summary.rejected_edges = solved.solution.rejected_edges;
     for (const auto& [id, why] : solved.unread) {
@@ -307,9 +308,11 @@ Expected<void> finish_map(home::Home& home, const MapSettings& settings, mapping
   });
 }
 
-void count_motion(std::span<const scene::Frame> frames, MapSummary& summary) {
+void count_motion(std::span<const scene::Frame> frames, bool tells_motion, MapSummary& summary) {
   for (const scene::Frame& frame : frames) {
     if (!frame.motion) continue;
+    if (frame.motion->device.up_camera) ++summary.felt_up;
+    if (!tells_motion) continue;
     ++summary.with_device_motion;
     if (frame.motion->use == scene::MotionUse::kDropped) ++summary.motion_dropped;
     if (frame.motion->use == scene::MotionUse::kAlone) ++summary.motion_alone;
@@ -322,7 +325,8 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
                                    home::Home& home, const Networks& networks,
                                    const MapSettings& settings, RunContext& run,
                                    const objects::ObjectFinders& finders,
-                                   const std::function<Expected<void>()>& name_rooms) {
+                                   const std::function<Expected<void>()>& name_rooms,
+                                   const geometry::InertialTrack& inertial) {
   ROOMWISE_RETURN_IF_ERROR(settings.validate());
   ROOMWISE_TRY(const home::StoredRecording stored, begin_or_resume(home, recording, settings));
   ROOMWISE_RETURN_IF_ERROR(go_to_next_frame(source, home, stored, run));
@@ -330,6 +334,7 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
   const auto extractor = features::make_extractor(settings.features, settings.max_keypoints);
   const std::filesystem::path folder = std::filesystem::absolute(home.file()).parent_path();
   mapping::Mapper mapper(camera, settings.mapper, {run.working_set_bytes, folder});
+  if (!inertial.empty()) mapper.feel(inertial);
   ROOMWISE_TRY(std::optional<KeptLocalizerIndex> index, index_before(home, settings));
   std::optional<KnownAppearances> known;
   if (index) known = {index->index.appearances(), index->keyframes};
@@ -340,6 +345,7 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
                KeyframeObserver::create(home, networks, finders.in_pictures, run));
 
   MapSummary summary;
+  summary.is_by_inertial_sensor = !inertial.empty() && settings.mapper.takes_device_motion();
   const auto is_error = [](const Expected<void>& outcome) {
     return !outcome && outcome.error().code != ErrorCode::kInterrupted;
   };
@@ -376,7 +382,7 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
       ROOMWISE_TRY(const recording::Trajectory trajectory, stored_trajectory(home, stored.id));
       summary.placed = trajectory.size();
       ROOMWISE_TRY(const auto frames, home.frames(stored.id));
-      count_motion(frames, summary);
+      count_motion(frames, inertial.empty() || inertial.tells_turns(), summary);
       ROOMWISE_TRY(const auto instances, home.instances());
       summary.instances = instances.size();
       ROOMWISE_TRY(const auto by_rules, home.confirmed_objects());

@@ -21,8 +21,12 @@ struct MapSummary {
   std::uint64_t with_device_motion = 0;  // frames whose device tells its own motion
   std::uint64_t motion_dropped = 0;      // of these, those to which it jumped
   std::uint64_t motion_alone = 0;        // of these, those that are placed by it alone
-  std::uint64_t keyframes = 0;           // of this walk
-  std::uint64_t edges = 0;               // of the pose graph, all walks' together
+  std::uint64_t felt_up = 0;             // frames at which the device feels gravity
+  // Of all walks' key-frames, those at which it was dropped: what is level contradicts it.
+  std::uint64_t contradicted_gravity = 0;
+  bool is_by_inertial_sensor = false;  // the device's motion is its turns alone
+  std::uint64_t keyframes = 0;         // of this walk
+  std::uint64_t edges = 0;             // of the pose graph, all walks' together
   std::uint64_t loops = 0;  // returns to a place that was left: edges over more than ten key-frames
   std::uint64_t rejected_edges = 0;  // edges that contradicted the others and were left out
   std::uint64_t components = 0;
@@ -52,13 +56,15 @@ struct MapSummary {
 // key-frames of the walk before go that add nothing to what the walks before that one show
 // (culling.h), where the settings say so. The settings must be the home's own, where it has some; a
 // recording that it holds already is an error. Networks and finders may be empty: then nothing is
-// named or learned, or found. On an error of the source (a damaged image) everything before it is
-// in the home. `name_rooms`, if given, is done in one transaction with what finishes the walk: who
-// is killed finds both or none.
+// named or learned, or found. `inertial` is what an inertial sensor felt along this walk, where the
+// frames tell no motion themselves; a run that goes on needs the same. On an error of the source (a
+// damaged image) everything before it is in the home. `name_rooms`, if given, is done in one
+// transaction with what finishes the walk: who is killed finds both or none.
 [[nodiscard]] Expected<MapSummary> map_recording(
     recording::FrameSource& source, const home::Recording& recording, home::Home& home,
     const Networks& networks, const MapSettings& settings, RunContext& run,
     const objects::ObjectFinders& finders = {},
-    const std::function<Expected<void>()>& name_rooms = nullptr);
+    const std::function<Expected<void>()>& name_rooms = nullptr,
+    const geometry::InertialTrack& inertial = {});
 
 }  // namespace roomwise::pipeline

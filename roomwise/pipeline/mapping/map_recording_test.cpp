@@ -65,7 +65,7 @@ class MapRecording : public ::testing::Test {
     return map_recording(
         walk, {walk.info().name, "made up", walk.info().camera, walk.info().frames_remaining}, home,
         networks, settings_, run, finders_,
-        [&] { return name_rooms_ ? name_rooms_(home) : Expected<void>(); });
+        [&] { return name_rooms_ ? name_rooms_(home) : Expected<void>(); }, inertial_);
   }
   void SetUp() override { finders_.in_pictures.push_back(std::make_unique<MiddleFinder>()); }
   static std::string digest(const std::filesystem::path& file) {
@@ -78,6 +78,7 @@ class MapRecording : public ::testing::Test {
   MapSettings settings_;
   std::size_t working_set_bytes_ = std::size_t{128} << 20U;
   std::shared_ptr<LostPictures> lost_;
+  geometry::InertialTrack inertial_;
   SilentProgress silent_;
 };
 
@@ -320,6 +321,79 @@ TEST_F(MapRecording, InterruptedWhereTheDeviceCarriesItEndsAsIfNeverStopped) {
     InterruptAfter interrupt(stop);
     ASSERT_OK(map(file, first, 2, &interrupt));
     WalkOfADevice second(kFrames);
+    ASSERT_OK(map(file, second, 2));
+    EXPECT_EQ(digest(file), digest(folder_ / "whole.home")) << stop;
+  }
+}
+
+// What an inertial sensor feels along that walk, which turns evenly from frame to frame, with a
+// bias.
+geometry::InertialTrack felt_along(const SyntheticWalk& walk) {
+  const recording::Trajectory& truth = walk.truth();
+  std::vector<geometry::InertialSample> samples;
+  for (std::size_t i = 0; i + 1 < truth.size(); ++i) {
+    const auto& camera = truth[i].world_from_camera.rotation;
+    const TimestampNs step_ns = truth[i + 1].timestamp_ns - truth[i].timestamp_ns;
+    const Eigen::Vector3d turning_rad_s =
+        geometry::rotation_vector_rad(camera.conjugate() *
+                                      truth[i + 1].world_from_camera.rotation) /
+        (static_cast<double>(step_ns) * kSecondsPerNs);
+    for (int part = 0; part < 8; ++part) {
+      samples.push_back({truth[i].timestamp_ns + part * step_ns / 8,
+                         turning_rad_s + Eigen::Vector3d(0.02, -0.01, 0.03),
+                         camera.conjugate() * (geometry::kGravity_m_s2 * WalkOfADevice::kUp)});
+    }
+  }
+  return {std::move(samples), true};
+}
+
+// Frames are dark for a while, and tell no motion themselves.
+class DarkWalk final : public recording::FrameSource {
+ public:
+  explicit DarkWalk(int frames) : walk_(frames) {}
+  [[nodiscard]] const recording::SourceInfo& info() const override { return walk_.info(); }
+  void skip_before(std::uint64_t index) override { walk_.skip_before(index); }
+  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
+    ROOMWISE_TRY(auto frame, walk_.next());
+    if (frame) frame->device_motion.reset();
+    return frame;
+  }
+
+ private:
+  WalkOfADevice walk_;
+};
+
+TEST_F(MapRecording, AnInertialSensorTellsTurnsAndUp) {
+  inertial_ = felt_along(SyntheticWalk(kFrames));
+  DarkWalk walk(kFrames);
+  const auto summary = map(folder_ / "a.home", walk, 2);
+  ASSERT_OK(summary);
+  EXPECT_TRUE(summary->is_by_inertial_sensor);
+  EXPECT_EQ(summary->placed, static_cast<std::uint64_t>(kFrames));
+  EXPECT_EQ(summary->components, 1U);
+  EXPECT_GE(summary->with_device_motion, static_cast<std::uint64_t>(kFrames - 1));
+  EXPECT_EQ(summary->motion_alone, WalkOfADevice::kLit - WalkOfADevice::kDark);
+  EXPECT_EQ(summary->motion_dropped, 0U);
+
+  settings_.mapper.device_motion = false;
+  DarkWalk again(kFrames);
+  const auto without = map(folder_ / "b.home", again, 2);
+  ASSERT_OK(without);
+  EXPECT_FALSE(without->is_by_inertial_sensor);
+  EXPECT_EQ(without->with_device_motion + without->felt_up, 0U);
+  EXPECT_EQ(without->placed, kFrames - (WalkOfADevice::kLit - WalkOfADevice::kDark));
+}
+
+TEST_F(MapRecording, InterruptedWhereTurnsCarryItEndsAsIfNeverStopped) {
+  inertial_ = felt_along(SyntheticWalk(kFrames));
+  DarkWalk whole(kFrames);
+  ASSERT_OK(map(folder_ / "whole.home", whole, 2));
+  for (const std::uint64_t stop : {12U, 23U, 30U}) {
+    const auto file = folder_ / fmt::format("{}.home", stop);
+    DarkWalk first(kFrames);
+    InterruptAfter interrupt(stop);
+    ASSERT_OK(map(file, first, 2, &interrupt));
+    DarkWalk second(kFrames);
     ASSERT_OK(map(file, second, 2));
     EXPECT_EQ(digest(file), digest(folder_ / "whole.home")) << stop;
   }
