@@ -291,10 +291,11 @@ class AtItsEnd final : public recording::FrameSource {
   }
   [[nodiscard]] const recording::SourceInfo& info() const override { return info_; }
   void skip_before(std::uint64_t index) override { next_ = index; }
-  // The last key-frame is asked for, to know the recording by.
+  // The last key-frame is asked for, to know the recording by its picture.
   [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
     if (next_ >= frames_) return std::nullopt;
-    image::RgbdFrame frame;
+    const Stop stop = stop_of(next_, frames_);
+    image::RgbdFrame frame = encoded(picture(stop.room, stop.pose));
     frame.index = next_;
     frame.timestamp_ns = static_cast<TimestampNs>(next_) * kStep_ns;
     ++next_;
