@@ -43,7 +43,8 @@ Expected<void> measure(const char* file) {
   const double begin_s = process_cpu_time_s();
   ROOMWISE_TRY(pipeline::DenseMap map, pipeline::build_dense_map(home, keyframes, {}, run));
   const double fused_s = process_cpu_time_s();
-  const fusion::TriangleMesh mesh = extract_mesh(map.field(), fusion::MeshOptions{}, pool);
+  ROOMWISE_TRY(const fusion::PiecewiseMesh mesh,
+               extract_mesh(map.field(), fusion::MeshOptions{}, pool));
   const double meshed_s = process_cpu_time_s();
   const double field_mb = static_cast<double>(map.field().memory_bytes()) / 1e6;
   const double max_mb = peak_mb();
@@ -60,7 +61,7 @@ Expected<void> measure(const char* file) {
                              static_cast<double>(clock.stages().at("surfaces").calls);
   fmt::print("| {} | {} | {:.1f} | {:.1f} | {:.2f} | {:.0f} | {:.0f} | {} | {} | {:.0f} | {} |\n",
              file, keyframes.size(), 1000 * (fused_s - begin_s) / count, surfaces_ms,
-             meshed_s - fused_s, field_mb, max_mb, mesh.vertices.size(), mesh.triangles.size(),
+             meshed_s - fused_s, field_mb, max_mb, mesh.vertex_count(), mesh.triangle_count(),
              1000 * (followed_s - bent_s) / moved_count,
              other.field() == map.field() ? "yes" : "NO");
   return {};

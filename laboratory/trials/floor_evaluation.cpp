@@ -94,7 +94,7 @@ Expected<FloorEvaluation> evaluate_floor(const home::Home& home,
     return fail("{}: has no free space", (recording / "floorplan.json").string());
   }
   ROOMWISE_TRY(const geometry::RigidTransform truth_from_world, truth_from_map(home, recording));
-  ROOMWISE_TRY(const pipeline::GravityAlignedMap map,
+  ROOMWISE_TRY(pipeline::GravityAlignedMap map,
                pipeline::build_gravity_aligned_map(home, {.keeps_colors = false}, run));
   ROOMWISE_TRY(const fusion::FloorGrid grid, pipeline::floor_grid_of(map, {}, run));
   const geometry::RigidTransform gravity_from_truth =

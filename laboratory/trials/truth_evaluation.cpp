@@ -30,9 +30,11 @@ Expected<std::vector<Eigen::Vector3f>> surface_points(const home::Home& home,
     return std::move(map.cloud.points);
   }
   ROOMWISE_TRY(
-      const pipeline::DenseMap map,
+      pipeline::DenseMap map,
       pipeline::build_dense_map(home, keyframes, {.voxel_size_m = options.voxel_size_m}, run));
-  return extract_mesh(map.field(), fusion::MeshOptions{}, run.pool).vertices;
+  ROOMWISE_TRY(const auto surface, extract_mesh(map.field(), fusion::MeshOptions{}, run.pool));
+  ROOMWISE_TRY(fusion::TriangleMesh mesh, surface.whole());
+  return std::move(mesh.vertices);
 }
 
 }  // namespace

@@ -15,6 +15,12 @@ class DisjointSets {
     std::iota(parent_.begin(), parent_.end(), std::size_t{0});
   }
 
+  // One element more.
+  std::size_t add() {
+    parent_.push_back(parent_.size());
+    return parent_.back();
+  }
+
   // The lowest element of the element's set.
   std::size_t find(std::size_t element) {
     while (parent_[element] != element) {

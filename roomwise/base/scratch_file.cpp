@@ -34,18 +34,24 @@ ScratchFile::~ScratchFile() {
 
 Expected<std::uint64_t> ScratchFile::append(std::span<const std::uint8_t> bytes) {
   const std::uint64_t offset = size_;
+  ROOMWISE_RETURN_IF_ERROR(overwrite(offset, bytes));
+  size_ += bytes.size();
+  return offset;
+}
+
+Expected<void> ScratchFile::overwrite(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
   for (std::size_t done = 0; done < bytes.size();) {
     const ssize_t written = pwrite(descriptor_, bytes.data() + done, bytes.size() - done,
                                    static_cast<off_t>(offset + done));
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) {
-      return fail("{}: the scratch file there cannot be written: {}; make room on that disk",
-                  folder_.string(), std::strerror(errno));
+      return fail_with(code_of_write_error(errno),
+                       "{}: the scratch file there cannot be written: {}; make room on that disk",
+                       folder_.string(), std::strerror(errno));
     }
     done += static_cast<std::size_t>(written);
   }
-  size_ += bytes.size();
-  return offset;
+  return {};
 }
 
 Expected<Bytes> ScratchFile::read(std::uint64_t offset, std::size_t size) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -9,6 +10,13 @@
 #include "roomwise/base/file.h"
 
 namespace roomwise {
+
+// How much of something that grows, as a map does, stays in memory. It changes no result.
+struct WorkingSet {
+  std::size_t max_bytes = std::size_t{128} << 20U;
+  // The rest goes into a scratch file on this folder's disk; empty: all stays in memory.
+  std::filesystem::path scratch_folder;
+};
 
 // A file without a name, for what does not fit into memory: it takes room on the disk while it is
 // used, and is gone with the program, however that ends.
@@ -25,6 +33,8 @@ class ScratchFile {
 
   // Where the bytes lie from now on.
   [[nodiscard]] Expected<std::uint64_t> append(std::span<const std::uint8_t> bytes);
+  // In the place of bytes that lie there.
+  [[nodiscard]] Expected<void> overwrite(std::uint64_t offset, std::span<const std::uint8_t> bytes);
   [[nodiscard]] Expected<Bytes> read(std::uint64_t offset, std::size_t size) const;
 
  private:

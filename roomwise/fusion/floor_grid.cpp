@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <utility>
 
 #include "roomwise/geometry/distance_transform.h"
 
@@ -45,6 +47,98 @@ FloorCell state_of(const Column& column, const FloorGridOptions& options) {
       is_seen(column.empty, options.person_height_m) && is_seen(column.empty_low, kLow_m);
   return is_empty ? FloorCell::kFree : FloorCell::kUnknown;
 }
+
+// The columns where anything was seen, in squares of them.
+class Columns {
+ public:
+  explicit Columns(const FloorGridOptions& options)
+      : options_(options),
+        lowest_(static_cast<int>(std::floor(-kLow_m / options.cell_m)) - 1),
+        words_(static_cast<std::size_t>(std::ceil(options.person_height_m / options.cell_m) + 1 -
+                                        lowest_) /
+                   kWordBits +
+               1) {}
+
+  // First all of the surface, then what is free: a cell that a surface passes is not.
+  void add_vertex(const Eigen::Vector3d& vertex) {
+    const auto cell_of = [&](const Eigen::Vector3d& point) {
+      return Eigen::Vector3i((point.array() / options_.cell_m).floor().cast<int>());
+    };
+    // A vertex of a mesh has single precision, but not the surface of occupancy_cells().
+    const Eigen::Vector3d rounded = vertex.cast<float>().cast<double>();
+    const double height_m = rounded.z();
+    {
+      const auto [square, place] = at(cell_of(rounded).head<2>());
+      Column& column = square->columns[place];
+      column.in_the_way +=
+          height_m > options_.step_m && height_m < options_.person_height_m ? 1 : 0;
+      column.floor += height_m <= options_.step_m && height_m > -kFloorBelow_m ? 1 : 0;
+    }
+    const Eigen::Vector3i cell = cell_of(vertex);
+    const auto [square, place] = at(cell.head<2>());
+    if (std::uint64_t* const word = word_of(*square, place, cell.z())) *word |= bit_of(cell.z());
+  }
+  void add_free(const Eigen::Vector3i& cell) {
+    const auto [square, place] = at(cell.head<2>());
+    const std::uint64_t* const word = word_of(*square, place, cell.z());
+    if (word == nullptr || (*word & bit_of(cell.z())) != 0) return;
+    const double middle_m = (cell.z() + 0.5) * options_.cell_m;
+    Column& column = square->columns[place];
+    column.empty_below += middle_m < -kFloorBelow_m && middle_m > -kLow_m ? 1 : 0;
+    if (middle_m <= options_.step_m) return;
+    column.empty += middle_m <= options_.person_height_m ? 1 : 0;
+    column.empty_low += middle_m <= kLow_m ? 1 : 0;
+  }
+
+  [[nodiscard]] const Eigen::AlignedBox2i& bounds() const { return bounds_; }
+  // Those in the bounds that were met, and some that were not.
+  template <typename Visit>
+  void visit(const Visit& visit) const {
+    for (const auto& [corner, square] : squares_) {
+      for (int i = 0; i < kSide * kSide; ++i) {
+        const Vector2i cell(kSide * corner.first + i % kSide, kSide * corner.second + i / kSide);
+        if (bounds_.contains(cell)) visit(cell, square.columns[static_cast<std::size_t>(i)]);
+      }
+    }
+  }
+
+ private:
+  static constexpr int kSide = 32;
+  static constexpr int kWordBits = 64;
+  struct Square {
+    std::vector<Column> columns{std::size_t{kSide} * kSide};
+    std::vector<std::uint64_t> occupied;  // a bit for each cell of a column from the lowest on
+  };
+
+  std::pair<Square*, std::size_t> at(const Vector2i& cell) {
+    bounds_.extend(cell);
+    static_assert(kSide == 1 << 5);
+    const std::pair corner(cell.x() >> 5, cell.y() >> 5);  // arithmetic: rounds down
+    if (last_ == nullptr || corner != last_corner_) {
+      last_ = &squares_[corner];
+      last_corner_ = corner;
+      last_->occupied.resize(words_ * last_->columns.size());
+    }
+    return {last_,
+            static_cast<std::size_t>((cell.y() & (kSide - 1)) * kSide + (cell.x() & (kSide - 1)))};
+  }
+  // Null where the height is of no interest.
+  std::uint64_t* word_of(Square& square, std::size_t place, int z) const {
+    const auto word = static_cast<std::size_t>(z - lowest_) / kWordBits;
+    return z < lowest_ || word >= words_ ? nullptr : &square.occupied[place * words_ + word];
+  }
+  [[nodiscard]] std::uint64_t bit_of(int z) const {
+    return std::uint64_t{1} << static_cast<unsigned>((z - lowest_) % kWordBits);
+  }
+
+  FloorGridOptions options_;
+  int lowest_;
+  std::size_t words_;
+  std::map<std::pair<int, int>, Square> squares_;
+  Square* last_ = nullptr;
+  std::pair<int, int> last_corner_;
+  Eigen::AlignedBox2i bounds_;
+};
 
 }  // namespace
 
@@ -104,44 +198,26 @@ std::size_t FloorGrid::count(FloorCell state) const {
   return static_cast<std::size_t>(std::ranges::count(cells_.pixels(), state));
 }
 
-Expected<FloorGrid> make_floor_grid(const TriangleMesh& mesh_gravity,
-                                    std::span<const OccupancyCell> cells,
+Expected<FloorGrid> make_floor_grid(const PiecewiseMesh& mesh_world,
+                                    const geometry::RigidTransform& gravity_from_world,
+                                    const VisitFreeCells& visit_free_cells,
                                     const FloorGridOptions& options) {
   ROOMWISE_RETURN_IF_ERROR(options.validate());
-  const auto cell_of = [&](const Eigen::Vector3f& point) {
-    return Vector2i((point.head<2>().cast<double>() / options.cell_m).array().floor().cast<int>());
-  };
-  Eigen::AlignedBox2i bounds;
-  for (const Eigen::Vector3f& vertex : mesh_gravity.vertices) bounds.extend(cell_of(vertex));
-  for (const OccupancyCell& cell : cells) bounds.extend(Vector2i(cell.cell.head<2>()));
+  Columns columns(options);
+  ROOMWISE_RETURN_IF_ERROR(mesh_world.for_each([&](const MeshPiece& piece) {
+    for (const Eigen::Vector3f& vertex : piece.own_vertices())
+      columns.add_vertex(gravity_from_world * Eigen::Vector3d(vertex.cast<double>()));
+  }));
+  ROOMWISE_RETURN_IF_ERROR(visit_free_cells([&](std::span<const Eigen::Vector3i> cells) {
+    for (const Eigen::Vector3i& cell : cells) columns.add_free(cell);
+  }));
+  const Eigen::AlignedBox2i& bounds = columns.bounds();
   if (bounds.isEmpty()) return fail("nothing was seen: there is no floor to draw");
-
-  image::Image<Column> columns(bounds.sizes().x() + 1, bounds.sizes().y() + 1);
-  const auto column_at = [&](const Vector2i& cell) -> Column& {
-    return columns.at(cell.x() - bounds.min().x(), cell.y() - bounds.min().y());
-  };
-  for (const Eigen::Vector3f& vertex : mesh_gravity.vertices) {
-    const auto height_m = static_cast<double>(vertex.z());
-    Column& column = column_at(cell_of(vertex));
-    column.in_the_way += height_m > options.step_m && height_m < options.person_height_m ? 1 : 0;
-    column.floor += height_m <= options.step_m && height_m > -kFloorBelow_m ? 1 : 0;
-  }
-  for (const OccupancyCell& cell : cells) {
-    const double middle_m = (cell.cell.z() + 0.5) * options.cell_m;
-    if (cell.is_occupied) continue;
-    Column& column = column_at(cell.cell.head<2>());
-    column.empty_below += middle_m < -kFloorBelow_m && middle_m > -kLow_m ? 1 : 0;
-    if (middle_m <= options.step_m) continue;
-    column.empty += middle_m <= options.person_height_m ? 1 : 0;
-    column.empty_low += middle_m <= kLow_m ? 1 : 0;
-  }
-
-  image::Image<FloorCell> states(columns.width(), columns.height());
-  for (int row = 0; row < columns.height(); ++row) {
-    for (int column = 0; column < columns.width(); ++column) {
-      states.at(column, row) = state_of(columns.at(column, row), options);
-    }
-  }
+  image::Image<FloorCell> states(bounds.sizes().x() + 1, bounds.sizes().y() + 1,
+                                 FloorCell::kUnknown);
+  columns.visit([&](const Vector2i& cell, const Column& column) {
+    states.at(cell.x() - bounds.min().x(), cell.y() - bounds.min().y()) = state_of(column, options);
+  });
   return FloorGrid(bounds.min().cast<double>() * options.cell_m, options.cell_m, std::move(states));
 }
 

@@ -2,13 +2,14 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "roomwise/base/expected.h"
-#include "roomwise/fusion/occupancy.h"
-#include "roomwise/fusion/triangle_mesh.h"
+#include "roomwise/fusion/piecewise_mesh.h"
+#include "roomwise/geometry/rigid_transform.h"
 #include "roomwise/image/image.h"
 
 namespace roomwise::fusion {
@@ -71,13 +72,17 @@ class FloorGrid {
   std::vector<float> clearance_m_;  // row * columns + column
 };
 
+// Calls back with all free cells, each once, some at a time (see fusion::visit_free_cells()).
+using VisitFreeCells =
+    std::function<Expected<void>(const std::function<void(std::span<const Eigen::Vector3i>)>&)>;
+
 // Occupied: the surface passes between step and person's height; or the floor was not seen and the
 // space below it was seen empty, so that one would fall. Free, otherwise: the floor was seen, or
-// enough of the space above it was seen empty (see min_empty). `cells` is the occupancy
-// at the grid's cell size; mesh and cells in the gravity-aligned frame. Fails where there is
-// neither surface nor cell.
-[[nodiscard]] Expected<FloorGrid> make_floor_grid(const TriangleMesh& mesh_gravity,
-                                                  std::span<const OccupancyCell> cells,
-                                                  const FloorGridOptions& options = {});
+// enough of the space above it was seen empty (see min_empty). The free cells are those of the
+// grid's cell size in the gravity-aligned frame. Fails where there is neither surface nor cell, and
+// where they cannot be read.
+[[nodiscard]] Expected<FloorGrid> make_floor_grid(
+    const PiecewiseMesh& mesh_world, const geometry::RigidTransform& gravity_from_world,
+    const VisitFreeCells& visit_free_cells, const FloorGridOptions& options = {});
 
 }  // namespace roomwise::fusion

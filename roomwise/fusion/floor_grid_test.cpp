@@ -8,6 +8,7 @@
 #include "roomwise/base/file.h"
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/fusion/floor_map_file.h"
+#include "roomwise/fusion/occupancy.h"
 #include "roomwise/fusion/surface_mesh.h"
 #include "roomwise/fusion/testing/test_scenes.h"
 
@@ -44,10 +45,12 @@ class FloorGridTest : public ::testing::Test {
           looking_at({2, 0.6, 1.5}, {2 + std::cos(angle), 0.6 + std::sin(angle), 1.8}));
     }
     ThreadPool pool(2);
-    const TsdfVolume field = testing::fuse(scene, cameras, pool);
-    const TriangleMesh mesh = extract_mesh(field, MeshOptions{}, pool);
-    grid_ = std::make_unique<FloorGrid>(
-        make_floor_grid(mesh, occupancy_cells(field, mesh, {}, 0.05, pool)).value());
+    TsdfVolume field = testing::fuse(scene, cameras, pool);
+    const PiecewiseMesh mesh = extract_mesh(field, MeshOptions{}, pool).value();
+    const auto visit_free = [&](const auto& visit) {
+      return visit_free_cells(field, {}, 0.05, pool, visit);
+    };
+    grid_ = std::make_unique<FloorGrid>(make_floor_grid(mesh, {}, visit_free).value());
   }
   static void TearDownTestSuite() { grid_.reset(); }
   static FloorCell at(double x, double y) { return grid_->at(Vector2d(x, y)); }
@@ -131,17 +134,22 @@ TEST(FloorGrid, OfNothingInTheWayIsClearEverywhere) {
 
 // Space over a stairwell was seen empty, as over floor; what lies below tells them apart.
 TEST(FloorGrid, WhereOneWouldFallIsOccupied) {
-  std::vector<OccupancyCell> cells;
-  for (int z = -9; z < 40; ++z) cells.push_back({{0, 0, z}, false});  // a drop
-  for (int z = 1; z < 40; ++z) cells.push_back({{1, 0, z}, false});   // floor that was not seen
-  const auto grid = make_floor_grid({}, cells).value();
+  std::vector<Eigen::Vector3i> cells;
+  for (int z = -9; z < 40; ++z) cells.emplace_back(0, 0, z);  // a drop
+  for (int z = 1; z < 40; ++z) cells.emplace_back(1, 0, z);   // floor that was not seen
+  const auto visit_free = [&](const auto& visit) {
+    visit(cells);
+    return Expected<void>();
+  };
+  const auto grid = make_floor_grid({}, {}, visit_free).value();
   EXPECT_EQ(grid.at(0, 0), FloorCell::kOccupied);
   EXPECT_EQ(grid.at(1, 0), FloorCell::kFree);
 }
 
 TEST(FloorGrid, NeedsSomethingToBeSeen) {
-  EXPECT_ERROR(make_floor_grid({}, {}), "nothing was seen");
-  EXPECT_ERROR(make_floor_grid({}, {}, {.cell_m = 0}), "cell_m");
+  const auto nothing = [](const auto&) { return Expected<void>(); };
+  EXPECT_ERROR(make_floor_grid({}, {}, nothing), "nothing was seen");
+  EXPECT_ERROR(make_floor_grid({}, {}, nothing, {.cell_m = 0}), "cell_m");
   EXPECT_ERROR(FloorGridOptions{.person_height_m = 0.3}.validate(), "person_height_m");
   EXPECT_ERROR(FloorGridOptions{.step_m = 0}.validate(), "step_m");
   EXPECT_ERROR(FloorGridOptions{.min_empty = 2}.validate(), "min_empty");

@@ -240,9 +240,11 @@ void accumulate_block(std::unique_ptr<VoxelBlock>& made, VoxelBlock* block, cons
   }
 }
 
-void accumulate_frame(TsdfVolume& field, const FrameSurface& frame,
-                      const RigidTransform& field_from_camera, int sign, ThreadPool& pool) {
+Expected<void> accumulate_frame(TsdfVolume& field, const FrameSurface& frame,
+                                const RigidTransform& field_from_camera, int sign,
+                                ThreadPool& pool) {
   const std::vector<Vector3i> blocks = blocks_in_view(field.options(), frame, field_from_camera);
+  ROOMWISE_RETURN_IF_ERROR(field.bring_to_change(blocks));
   const FrameView view(field.options(), frame, field_from_camera);
   std::vector<std::unique_ptr<VoxelBlock>> made(blocks.size());
   std::vector<VoxelBlock*> there(blocks.size());
@@ -260,18 +262,19 @@ void accumulate_frame(TsdfVolume& field, const FrameSurface& frame,
     there[i]->drop_empty_colors();
     if (there[i]->is_empty()) field.erase(blocks[i]);
   }
+  return {};
 }
 
 }  // namespace
 
-void integrate_frame(TsdfVolume& field, const FrameSurface& frame,
-                     const RigidTransform& field_from_camera, ThreadPool& pool) {
-  accumulate_frame(field, frame, field_from_camera, 1, pool);
+Expected<void> integrate_frame(TsdfVolume& field, const FrameSurface& frame,
+                               const RigidTransform& field_from_camera, ThreadPool& pool) {
+  return accumulate_frame(field, frame, field_from_camera, 1, pool);
 }
 
-void deintegrate_frame(TsdfVolume& field, const FrameSurface& frame,
-                       const RigidTransform& field_from_camera, ThreadPool& pool) {
-  accumulate_frame(field, frame, field_from_camera, -1, pool);
+Expected<void> deintegrate_frame(TsdfVolume& field, const FrameSurface& frame,
+                                 const RigidTransform& field_from_camera, ThreadPool& pool) {
+  return accumulate_frame(field, frame, field_from_camera, -1, pool);
 }
 
 }  // namespace roomwise::fusion

@@ -18,10 +18,13 @@ constexpr std::size_t kMaxFrames = 16'000;
 // What is added depends on the frame and the pose alone, not on the field. So frames may be fused
 // in any order, and deintegrate_frame() with the same frame and pose leaves the field, to the bit,
 // as if the frame had never been. The same bits at any number of threads. The pose must be finite.
-void integrate_frame(TsdfVolume& field, const FrameSurface& frame,
-                     const geometry::RigidTransform& field_from_camera, ThreadPool& pool);
+// Errors are those of the field's scratch file; the field is then as it was.
+[[nodiscard]] Expected<void> integrate_frame(TsdfVolume& field, const FrameSurface& frame,
+                                             const geometry::RigidTransform& field_from_camera,
+                                             ThreadPool& pool);
 // Only for a frame that was added at that pose.
-void deintegrate_frame(TsdfVolume& field, const FrameSurface& frame,
-                       const geometry::RigidTransform& field_from_camera, ThreadPool& pool);
+[[nodiscard]] Expected<void> deintegrate_frame(TsdfVolume& field, const FrameSurface& frame,
+                                               const geometry::RigidTransform& field_from_camera,
+                                               ThreadPool& pool);
 
 }  // namespace roomwise::fusion

@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -31,31 +33,61 @@ std::optional<Vector3d> flat_normal(const TriangleMesh& mesh,
   return Vector3d((a + b + c).cast<double>().normalized());
 }
 
-// The places of vertices that face up.
-std::vector<Vector3d> level_vertices(const TriangleMesh& mesh, const Vector3d& up) {
-  constexpr double kMinCosine = 0.95;  // 18 degrees: noise, ramps, a map that is bent
-  std::vector<Vector3d> places;
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    if (mesh.normals[i].cast<double>().dot(up) < kMinCosine) continue;
-    places.emplace_back(mesh.vertices[i].cast<double>());
+// The normals of the flat triangles, piece by piece, as often as they are asked for.
+class FlatNormals {
+ public:
+  explicit FlatNormals(const PiecewiseMesh& mesh) : mesh_(mesh) {}
+
+  void visit(const std::function<void(std::span<const Vector3d>)>& visit) {
+    std::vector<Vector3d> normals;
+    const auto read = mesh_.for_each([&](const MeshPiece& piece) {
+      normals.clear();
+      for (const auto& triangle : piece.mesh.triangles) {
+        if (const auto normal = flat_normal(piece.mesh, triangle)) normals.push_back(*normal);
+      }
+      visit(normals);
+    });
+    if (!read) outcome_ = read;
   }
+  [[nodiscard]] const Expected<void>& outcome() const { return outcome_; }
+
+ private:
+  const PiecewiseMesh& mesh_;
+  Expected<void> outcome_;
+};
+
+// The places of vertices that face up, in a deque, which does not grow by copying.
+using Places = std::deque<Eigen::Vector3f>;
+
+Expected<Places> level_vertices(const PiecewiseMesh& mesh, const Vector3d& up) {
+  constexpr double kMinCosine = 0.95;  // 18 degrees: noise, ramps, a map that is bent
+  Places places;
+  ROOMWISE_RETURN_IF_ERROR(mesh.for_each([&](const MeshPiece& piece) {
+    for (std::size_t i = 0; i < piece.own; ++i) {
+      if (piece.mesh.normals[i].cast<double>().dot(up) < kMinCosine) continue;
+      places.push_back(piece.mesh.vertices[i]);
+    }
+  }));
   return places;
 }
 
+double height_m(const Vector3d& up, const Eigen::Vector3f& place) {
+  return up.dot(Vector3d(place.cast<double>()));
+}
+
 // The height of the floor below `highest_m`, to about a bin.
-std::optional<double> floor_below_m(double highest_m, const std::vector<Vector3d>& level,
-                                    const Vector3d& up) {
+std::optional<double> floor_below_m(double highest_m, const Places& level, const Vector3d& up) {
   constexpr double kBin_m = 0.02;
   constexpr std::size_t kFewest = 200;  // vertices: 0.08 m^2 of floor at 2 cm
   double lowest_m = highest_m;
-  for (const Vector3d& place : level) lowest_m = std::min(lowest_m, up.dot(place));
-  const auto bin_of = [&](double height_m) {
-    return static_cast<std::size_t>((height_m - lowest_m) / kBin_m);
+  for (const auto& place : level) lowest_m = std::min(lowest_m, height_m(up, place));
+  const auto bin_of = [&](double at_m) {
+    return static_cast<std::size_t>((at_m - lowest_m) / kBin_m);
   };
   std::vector<std::size_t> counts(bin_of(highest_m) + 3, 0);  // one empty bin on each side
-  for (const Vector3d& place : level) {
-    const double height_m = up.dot(place);
-    if (height_m <= highest_m) ++counts[bin_of(height_m) + 1];
+  for (const auto& place : level) {
+    const double at_m = height_m(up, place);
+    if (at_m <= highest_m) ++counts[bin_of(at_m) + 1];
   }
   std::vector<std::size_t> around(counts.size(), 0);
   for (std::size_t i = 1; i + 1 < counts.size(); ++i) {
@@ -70,7 +102,7 @@ std::optional<double> floor_below_m(double highest_m, const std::vector<Vector3d
 
 // The height of the floor under the lowest camera; where there is none, under all but the lowest
 // tenth of the cameras: somebody may have held one low.
-std::optional<double> floor_height_m(const std::vector<Vector3d>& level, const Vector3d& up,
+std::optional<double> floor_height_m(const Places& level, const Vector3d& up,
                                      std::span<const RigidTransform> cameras) {
   constexpr double kCameraAboveFloor_m = 0.3;
   if (level.empty() || cameras.empty()) return std::nullopt;
@@ -86,21 +118,25 @@ std::optional<double> floor_height_m(const std::vector<Vector3d>& level, const V
 
 // The plane through the places that lie near `plane`, where they spread far enough to tell of a
 // tilt.
-Plane fitted(const Plane& plane, const std::vector<Vector3d>& places, double near_m) {
+Plane fitted(const Plane& plane, const Places& places, double near_m) {
   constexpr double kMinSpread_m = 0.3;
-  std::vector<Vector3d> near;
+  const auto visit_near = [&](const auto& visit) {
+    for (const auto& place : places) {
+      if (std::abs(height_m(plane.normal, place) - plane.offset_m) <= near_m)
+        visit(Vector3d(place.cast<double>()));
+    }
+  };
+  double count = 0;
   Vector3d mean = Vector3d::Zero();
-  for (const Vector3d& place : places) {
-    if (std::abs(plane.normal.dot(place) - plane.offset_m) > near_m) continue;
-    near.push_back(place);
+  visit_near([&](const Vector3d& place) {
     mean += place;
-  }
-  if (near.empty()) return plane;
-  mean /= static_cast<double>(near.size());
+    ++count;
+  });
+  if (count == 0) return plane;
+  mean /= count;
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Vector3d& place : near) spread += (place - mean) * (place - mean).transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread /
-                                                            static_cast<double>(near.size()));
+  visit_near([&](const Vector3d& place) { spread += (place - mean) * (place - mean).transpose(); });
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread / count);
   if (axes.eigenvalues()[1] < kMinSpread_m * kMinSpread_m) {
     return {plane.normal, plane.normal.dot(mean)};
   }
@@ -124,40 +160,29 @@ RigidTransform frame_on(const Plane& floor) {
 
 }  // namespace
 
-GravityAlignedFrame find_gravity_aligned_frame(const TriangleMesh& mesh_world,
-                                               std::span<const RigidTransform> world_from_cameras,
-                                               std::span<const Vector3d> gravity_up_world) {
+Expected<GravityAlignedFrame> find_gravity_aligned_frame(
+    const PiecewiseMesh& mesh_world, std::span<const RigidTransform> world_from_cameras,
+    std::span<const Vector3d> gravity_up_world) {
   mapping::UpDirectionEstimator estimator;
   for (const Vector3d& up : gravity_up_world) estimator.add_gravity(up);
   for (const RigidTransform& camera : world_from_cameras) estimator.add_camera(camera);
-  for (const auto& triangle : mesh_world.triangles) {
-    if (const auto normal = flat_normal(mesh_world, triangle)) estimator.add_normal(*normal);
-  }
-  const mapping::UpDirection up = estimator.estimate();
+  FlatNormals normals(mesh_world);
+  const mapping::UpDirection up =
+      estimator.estimate([&](const auto& visit) { normals.visit(visit); });
+  ROOMWISE_RETURN_IF_ERROR(normals.outcome());
   GravityAlignedFrame frame;
   frame.has_up = up.support > 0 || up.is_by_gravity;
   Plane floor{up.up_world, 0};
-  const auto level = level_vertices(mesh_world, up.up_world);
-  const auto height_m = floor_height_m(level, up.up_world, world_from_cameras);
-  if (frame.has_up && height_m) {
+  ROOMWISE_TRY(const Places level, level_vertices(mesh_world, up.up_world));
+  const auto floor_m = floor_height_m(level, up.up_world, world_from_cameras);
+  if (frame.has_up && floor_m) {
     frame.has_floor = true;
-    floor.offset_m = *height_m;
+    floor.offset_m = *floor_m;
     // The first try may be tilted: it takes in more.
     for (const double near_m : {0.08, 0.05, 0.04, 0.04}) floor = fitted(floor, level, near_m);
   }
   frame.gravity_from_world = frame_on(floor);
   return frame;
-}
-
-TriangleMesh transformed(const RigidTransform& to_from_mesh, const TriangleMesh& mesh) {
-  TriangleMesh moved = mesh;
-  for (Eigen::Vector3f& vertex : moved.vertices) {
-    vertex = (to_from_mesh * Vector3d(vertex.cast<double>())).cast<float>();
-  }
-  for (Eigen::Vector3f& normal : moved.normals) {
-    normal = (to_from_mesh.rotation * normal.cast<double>()).cast<float>();
-  }
-  return moved;
 }
 
 }  // namespace roomwise::fusion

@@ -2,8 +2,8 @@
 
 #include <span>
 
+#include "roomwise/fusion/piecewise_mesh.h"
 #include "roomwise/fusion/storeys.h"
-#include "roomwise/fusion/triangle_mesh.h"
 #include "roomwise/geometry/rigid_transform.h"
 
 namespace roomwise::fusion {
@@ -37,13 +37,10 @@ struct GravityAlignedFrame {
 // By the normals of the map's surface, which vote for the direction up (see UpDirectionEstimator),
 // and its floor: the lowest level that holds at least a third as much upward surface as the fullest
 // one below the cameras. A plane through the floor then corrects the direction, since half a degree
-// would be 9 cm at the other end of a flat. `gravity_up_world` is up where devices feel it.
-[[nodiscard]] GravityAlignedFrame find_gravity_aligned_frame(
-    const TriangleMesh& mesh_world, std::span<const geometry::RigidTransform> world_from_cameras,
+// would be 9 cm at the other end of a flat. `gravity_up_world` is up where devices feel it. Fails
+// where the mesh cannot be read.
+[[nodiscard]] Expected<GravityAlignedFrame> find_gravity_aligned_frame(
+    const PiecewiseMesh& mesh_world, std::span<const geometry::RigidTransform> world_from_cameras,
     std::span<const Eigen::Vector3d> gravity_up_world = {});
-
-// The mesh in another frame.
-[[nodiscard]] TriangleMesh transformed(const geometry::RigidTransform& to_from_mesh,
-                                       const TriangleMesh& mesh);
 
 }  // namespace roomwise::fusion

@@ -33,21 +33,22 @@ class GravityAlignedFrameTest : public ::testing::Test {
       const auto picture =
           testing::render(scene_room, room_from_camera, testing::small_camera(), 0.0014);
       cameras_.push_back(room_from_world_.inverse() * room_from_camera);
-      integrate_frame(field, maker.make(picture.color, picture.depth), cameras_.back(), pool_);
+      ASSERT_OK(
+          integrate_frame(field, maker.make(picture.color, picture.depth), cameras_.back(), pool_));
     }
-    mesh_ = extract_mesh(field, MeshOptions{}, pool_);
+    mesh_ = extract_mesh(field, MeshOptions{}, pool_).value();
   }
 
   ThreadPool pool_{2};
   RigidTransform room_from_world_;
   std::vector<RigidTransform> cameras_;
-  TriangleMesh mesh_;
+  PiecewiseMesh mesh_;
 };
 
 TEST_F(GravityAlignedFrameTest, StandsOnTheFloorUnderTheFirstCamera) {
   see({half_space(Vector3d::UnitZ(), 0), half_space(-Vector3d::UnitY(), -2.0),
        box({-1, 0.2, 0.70}, {5, 1.4, 0.75})});
-  const GravityAlignedFrame frame = find_gravity_aligned_frame(mesh_, cameras_);
+  const GravityAlignedFrame frame = find_gravity_aligned_frame(mesh_, cameras_).value();
   EXPECT_TRUE(frame.has_floor);
   EXPECT_TRUE(frame.has_up);
   const RigidTransform gravity_from_room = frame.gravity_from_world * room_from_world_.inverse();
@@ -70,25 +71,25 @@ TEST_F(GravityAlignedFrameTest, ACameraThatWasHeldLowHidesNoFloor) {
   for (int i = 0; i < 3; ++i)
     cameras_.insert(cameras_.end(), cameras_.begin(), cameras_.begin() + 8);
   cameras_.push_back(room_from_world_.inverse() * looking_at({0, -1.2, 0.2}, {0.5, 0.8, 0.3}));
-  const GravityAlignedFrame frame = find_gravity_aligned_frame(mesh_, cameras_);
+  const GravityAlignedFrame frame = find_gravity_aligned_frame(mesh_, cameras_).value();
   EXPECT_TRUE(frame.has_floor);
   EXPECT_NEAR((frame.gravity_from_world * Vector3d::Zero()).z(), 1.5, 0.01);
 }
 
 TEST_F(GravityAlignedFrameTest, SaysThatThereIsNoFloor) {
   see({half_space(-Vector3d::UnitY(), -2.0)});
-  const GravityAlignedFrame frame = find_gravity_aligned_frame(mesh_, cameras_);
+  const GravityAlignedFrame frame = find_gravity_aligned_frame(mesh_, cameras_).value();
   EXPECT_FALSE(frame.has_floor);
   EXPECT_FALSE(frame.has_up) << "a noisy wall has no level surface";
   EXPECT_NEAR((frame.gravity_from_world * Vector3d::Zero()).norm(), 0, 1e-9);
-  EXPECT_FALSE(find_gravity_aligned_frame({}, {}).has_floor);
+  EXPECT_FALSE(find_gravity_aligned_frame({}, {})->has_floor);
 }
 
 TEST(Transformed, MovesPlacesAndTurnsNormals) {
   const TriangleMesh mesh{{{1, 0, 0}}, {{1, 0, 0}}, {{}}, {}};
   const RigidTransform quarter_turn{
       Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Vector3d::UnitZ())), {0, 0, 2}};
-  const TriangleMesh moved = transformed(quarter_turn, mesh);
+  const TriangleMesh moved = transformed(quarter_turn, mesh).whole().value();
   EXPECT_LT((moved.vertices[0] - Eigen::Vector3f(0, 1, 2)).norm(), 1e-6F);
   EXPECT_LT((moved.normals[0] - Eigen::Vector3f(0, 1, 0)).norm(), 1e-6F);
 }

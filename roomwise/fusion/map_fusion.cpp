@@ -38,11 +38,11 @@ Expected<void> MapFusion::apply(const Reintegration& step, const FrameSurface& f
     return fail("a dense map holds at most {} key-frames", kMaxFrames);
   }
   if (step.out) {
-    deintegrate_frame(field_, frame, *step.out, pool);
+    ROOMWISE_RETURN_IF_ERROR(deintegrate_frame(field_, frame, *step.out, pool));
     fused_.erase(step.frame);
   }
   if (step.in) {
-    integrate_frame(field_, frame, *step.in, pool);
+    ROOMWISE_RETURN_IF_ERROR(integrate_frame(field_, frame, *step.in, pool));
     fused_[step.frame] = *step.in;
   }
   return {};

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "roomwise/base/expected.h"
@@ -41,17 +42,20 @@ struct Reintegration {
 class MapFusion {
  public:
   // The options must be valid.
-  explicit MapFusion(const MapFusionOptions& options) : options_(options), field_(options.field) {}
+  explicit MapFusion(const MapFusionOptions& options, WorkingSet working_set = {})
+      : options_(options), field_(options.field, std::move(working_set)) {}
 
   // What leads from the poses that are fused to `poses`, by frame. Frames that are missing there
   // are taken out.
   [[nodiscard]] std::vector<Reintegration> reintegrations_for(const FramePoses& poses) const;
   // Carries out one of reintegrations_for(); `frame` must be the same each time. Fails, changing
-  // nothing, where the pose is not finite or the field holds all the frames that it can.
+  // nothing, where the pose is not finite or the field holds all the frames that it can; and where
+  // the field's scratch file does, then the frame may have been taken out.
   [[nodiscard]] Expected<void> apply(const Reintegration& step, const FrameSurface& frame,
                                      ThreadPool& pool);
 
   [[nodiscard]] const TsdfVolume& field() const { return field_; }
+  [[nodiscard]] TsdfVolume& field() { return field_; }  // to bring its blocks into memory
   [[nodiscard]] const FramePoses& fused() const { return fused_; }
 
  private:

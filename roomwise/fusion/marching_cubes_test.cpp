@@ -39,7 +39,8 @@ TEST(MarchingCubes, LeavesNoHoleBetweenCubes) {
   }
   field.insert({0, 0, 0}, std::move(block));
   ThreadPool pool(2);
-  const TriangleMesh mesh = extract_mesh(field, {.min_weight = 1, .min_component_m2 = 0}, pool);
+  const TriangleMesh mesh =
+      extract_mesh(field, {.min_weight = 1, .min_component_m2 = 0}, pool)->whole().value();
   EXPECT_GT(mesh.triangles.size(), 500U);
   EXPECT_TRUE(testing::is_closed(mesh));
 }

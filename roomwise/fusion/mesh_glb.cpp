@@ -40,49 +40,84 @@ std::array<std::uint16_t, 256> make_linear_of_srgb() {
 // The binary chunk and what the JSON says of it: a view and an accessor for each array.
 class Buffer {
  public:
-  // `bytes` is a multiple of four long, so that all views are aligned.
-  Json& add(const void* bytes, std::size_t size, int target, int component, std::size_t count,
-            const char* type) {
-    views.push_back(
-        {{"buffer", 0}, {"byteOffset", content.size()}, {"byteLength", size}, {"target", target}});
-    content.append(static_cast<const char*>(bytes), size);
+  // Of as many values as `fill` appends to the content; together a multiple of four bytes, so that
+  // all views are aligned.
+  template <typename Fill>
+  [[nodiscard]] Expected<Json*> add(int target, int component, std::size_t count, const char* type,
+                                    const Fill& fill) {
+    const std::size_t offset = content.size();
+    ROOMWISE_RETURN_IF_ERROR(fill());
+    views.push_back({{"buffer", 0},
+                     {"byteOffset", offset},
+                     {"byteLength", content.size() - offset},
+                     {"target", target}});
     accessors.push_back({{"bufferView", views.size() - 1},
                          {"componentType", component},
                          {"count", count},
                          {"type", type}});
-    return accessors.back();
+    return &accessors.back();
+  }
+  template <typename Value>
+  void append(const Value& value) {
+    content.append(reinterpret_cast<const char*>(&value), sizeof(value));
   }
 
   std::string content;
   Json views = Json::array(), accessors = Json::array();
 };
 
-void add_vertices(Buffer& buffer, const TriangleMesh& mesh) {
-  const std::size_t count = mesh.vertices.size();
-  std::vector<Vector3f> vectors;
-  vectors.reserve(count);
+Expected<void> add_vertices(Buffer& buffer, const PiecewiseMesh& mesh) {
+  const std::size_t count = mesh.vertex_count();
   Vector3f least = Vector3f::Constant(std::numeric_limits<float>::infinity()), most = -least;
-  for (const Vector3f& vertex : mesh.vertices) {
-    vectors.push_back(y_up(vertex));
-    least = least.cwiseMin(vectors.back());
-    most = most.cwiseMax(vectors.back());
-  }
-  const std::size_t size = count * 3 * sizeof(float);
-  Json& positions = buffer.add(vectors.data(), size, kVertexTarget, kFloat, count, "VEC3");
-  positions["min"] = Json::array({least.x(), least.y(), least.z()});
-  positions["max"] = Json::array({most.x(), most.y(), most.z()});
+  const auto add_positions = [&] {
+    return mesh.for_each([&](const MeshPiece& piece) {
+      for (const Vector3f& vertex : piece.own_vertices()) {
+        const Vector3f position = y_up(vertex);
+        least = least.cwiseMin(position);
+        most = most.cwiseMax(position);
+        buffer.append(position);
+      }
+    });
+  };
+  ROOMWISE_TRY(Json* const positions,
+               buffer.add(kVertexTarget, kFloat, count, "VEC3", add_positions));
+  (*positions)["min"] = Json::array({least.x(), least.y(), least.z()});
+  (*positions)["max"] = Json::array({most.x(), most.y(), most.z()});
 
-  for (std::size_t i = 0; i < count; ++i) vectors[i] = y_up(mesh.normals[i]);
-  buffer.add(vectors.data(), size, kVertexTarget, kFloat, count, "VEC3");
+  const auto add_normals = [&] {
+    return mesh.for_each([&](const MeshPiece& piece) {
+      for (std::size_t i = 0; i < piece.own; ++i) buffer.append(y_up(piece.mesh.normals[i]));
+    });
+  };
+  ROOMWISE_RETURN_IF_ERROR(buffer.add(kVertexTarget, kFloat, count, "VEC3", add_normals));
 
   static const std::array<std::uint16_t, 256> kLinear = make_linear_of_srgb();
-  std::vector<std::array<std::uint16_t, 4>> colors;
-  colors.reserve(count);
-  for (const Rgb8 color : mesh.colors) {
-    colors.push_back({kLinear[color.r], kLinear[color.g], kLinear[color.b], 65535});
-  }
-  buffer.add(colors.data(), count * sizeof(colors[0]), kVertexTarget, kUnsignedShort, count,
-             "VEC4")["normalized"] = true;
+  const auto add_colors = [&] {
+    return mesh.for_each([&](const MeshPiece& piece) {
+      for (std::size_t i = 0; i < piece.own; ++i) {
+        const Rgb8 color = piece.mesh.colors[i];
+        buffer.append(std::array<std::uint16_t, 4>{kLinear[color.r], kLinear[color.g],
+                                                   kLinear[color.b], 65535});
+      }
+    });
+  };
+  ROOMWISE_TRY(Json* const colors,
+               buffer.add(kVertexTarget, kUnsignedShort, count, "VEC4", add_colors));
+  (*colors)["normalized"] = true;
+  return {};
+}
+
+Expected<void> add_triangles(Buffer& buffer, const PiecewiseMesh& mesh) {
+  const auto add_indices = [&] {
+    return mesh.for_each([&](const MeshPiece& piece) {
+      for (const auto& triangle : piece.mesh.triangles) {
+        for (const std::uint32_t corner : triangle) buffer.append(piece.number_of(corner));
+      }
+    });
+  };
+  ROOMWISE_RETURN_IF_ERROR(
+      buffer.add(kIndexTarget, kUnsignedInt, 3 * mesh.triangle_count(), "SCALAR", add_indices));
+  return {};
 }
 
 Json describe(const Buffer& buffer) {
@@ -113,15 +148,18 @@ void append_number(std::string& file, std::size_t number) {
 
 }  // namespace
 
-Expected<void> write_glb(const std::filesystem::path& path, const TriangleMesh& mesh_gravity) {
-  if (mesh_gravity.triangles.empty()) {
+Expected<void> write_glb(const std::filesystem::path& path, const PiecewiseMesh& mesh_gravity) {
+  if (mesh_gravity.triangle_count() == 0) {
     return fail("{}: the map has no surface; glTF cannot hold an empty mesh", path.string());
   }
+  constexpr std::size_t kBytesPerVertex = 32, kBytesPerTriangle = 12;
+  const std::size_t bytes = kBytesPerVertex * mesh_gravity.vertex_count() +
+                            kBytesPerTriangle * mesh_gravity.triangle_count();
   Buffer buffer;
-  add_vertices(buffer, mesh_gravity);
-  buffer.add(mesh_gravity.triangles.data(),
-             mesh_gravity.triangles.size() * 3 * sizeof(std::uint32_t), kIndexTarget, kUnsignedInt,
-             3 * mesh_gravity.triangles.size(), "SCALAR");
+  constexpr std::size_t kHead = 4096;  // the file's own, about
+  buffer.content.reserve(bytes + kHead);
+  ROOMWISE_RETURN_IF_ERROR(add_vertices(buffer, mesh_gravity));
+  ROOMWISE_RETURN_IF_ERROR(add_triangles(buffer, mesh_gravity));
   std::string json = describe(buffer).dump();
   json.append((4 - json.size() % 4) % 4, ' ');
   constexpr std::size_t kHeader = 12, kChunkHeader = 8;
@@ -130,18 +168,17 @@ Expected<void> write_glb(const std::filesystem::path& path, const TriangleMesh& 
     return fail("{}: the mesh takes {} bytes, and a .glb file holds 4 GiB; take larger voxels",
                 path.string(), size);
   }
-  std::string file;
-  file.reserve(size);
-  append_number(file, kMagic);
-  append_number(file, 2);
-  append_number(file, size);
-  append_number(file, json.size());
-  append_number(file, kJsonChunk);
-  file += json;
-  append_number(file, buffer.content.size());
-  append_number(file, kBinaryChunk);
-  file += buffer.content;
-  return write_file(path, file);
+  std::string head;
+  append_number(head, kMagic);
+  append_number(head, 2);
+  append_number(head, size);
+  append_number(head, json.size());
+  append_number(head, kJsonChunk);
+  head += json;
+  append_number(head, buffer.content.size());
+  append_number(head, kBinaryChunk);
+  buffer.content.insert(0, head);
+  return write_file(path, buffer.content);
 }
 
 }  // namespace roomwise::fusion

@@ -1,3 +1,4 @@
+#include <array>
 #include <bit>
 #include <cstring>
 #include <string>
@@ -29,26 +30,30 @@ std::string header(std::size_t vertices, std::size_t triangles) {
 
 }  // namespace
 
-Expected<void> write_ply(const std::filesystem::path& path, const TriangleMesh& mesh) {
-  std::string content = header(mesh.vertices.size(), mesh.triangles.size());
-  std::size_t place = content.size();
-  content.resize(place + mesh.vertices.size() * kBytesPerVertex +
-                 mesh.triangles.size() * kBytesPerTriangle);
-  const auto put = [&](const void* bytes, std::size_t size) {
+Expected<void> write_ply(const std::filesystem::path& path, const PiecewiseMesh& mesh) {
+  std::string content = header(mesh.vertex_count(), mesh.triangle_count());
+  std::size_t vertex_at = content.size();
+  std::size_t triangle_at = vertex_at + mesh.vertex_count() * kBytesPerVertex;
+  content.resize(triangle_at + mesh.triangle_count() * kBytesPerTriangle);
+  const auto put = [&](std::size_t& place, const void* bytes, std::size_t size) {
     std::memcpy(content.data() + place, bytes, size);
     place += size;
   };
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    put(mesh.vertices[i].data(), 3 * sizeof(float));
-    put(mesh.normals[i].data(), 3 * sizeof(float));
-    const std::array<std::uint8_t, 3> color{mesh.colors[i].r, mesh.colors[i].g, mesh.colors[i].b};
-    put(color.data(), color.size());
-  }
-  for (const auto& triangle : mesh.triangles) {
-    const std::uint8_t corners = 3;
-    put(&corners, 1);
-    put(triangle.data(), 3 * sizeof(std::int32_t));
-  }
+  ROOMWISE_RETURN_IF_ERROR(mesh.for_each([&](const MeshPiece& piece) {
+    for (std::size_t i = 0; i < piece.own; ++i) {
+      put(vertex_at, piece.mesh.vertices[i].data(), 3 * sizeof(float));
+      put(vertex_at, piece.mesh.normals[i].data(), 3 * sizeof(float));
+      const Rgb8 color = piece.mesh.colors[i];
+      const std::array<std::uint8_t, 3> channels{color.r, color.g, color.b};
+      put(vertex_at, channels.data(), channels.size());
+    }
+    for (const auto& [a, b, c] : piece.mesh.triangles) {
+      const std::uint8_t corners = 3;
+      put(triangle_at, &corners, 1);
+      const std::array numbers{piece.number_of(a), piece.number_of(b), piece.number_of(c)};
+      put(triangle_at, numbers.data(), sizeof(numbers));
+    }
+  }));
   return write_file(path, content);
 }
 

@@ -31,8 +31,9 @@ void keep_first_of_each(std::vector<OccupancyCell>& cells) {
 
 // The free cells whose middle is nearest to a voxel of this block, so that every cell is asked in
 // one block.
-std::vector<OccupancyCell> free_cells(const TsdfVolume& field, const Vector3i& block,
-                                      const RigidTransform& gravity_from_field, double cell_m) {
+void add_free_cells(const TsdfVolume& field, const Vector3i& block,
+                    const RigidTransform& gravity_from_field, double cell_m,
+                    std::vector<Vector3i>& cells) {
   const RigidTransform field_from_gravity = gravity_from_field.inverse();
   const VoxelBlock& content = *field.find(block);
   const Vector3d low = (kBlockSide * block.cast<double>().array() - 0.5) * field.voxel_size_m();
@@ -42,7 +43,6 @@ std::vector<OccupancyCell> free_cells(const TsdfVolume& field, const Vector3i& b
     bounds.extend(gravity_from_field * Vector3d(low + kBlockSide * field.voxel_size_m() * offset));
   }
   const Vector3i first = cell_of(bounds.min(), cell_m), last = cell_of(bounds.max(), cell_m);
-  std::vector<OccupancyCell> cells;
   for (int z = first.z(); z <= last.z(); ++z) {
     for (int y = first.y(); y <= last.y(); ++y) {
       for (int x = first.x(); x <= last.x(); ++x) {
@@ -53,39 +53,52 @@ std::vector<OccupancyCell> free_cells(const TsdfVolume& field, const Vector3i& b
         if ((in_block.array() < 0).any() || (in_block.array() >= kBlockSide).any()) continue;
         const Voxel& seen = content.voxels[TsdfVolume::offset_of(in_block)];
         if (seen.weight == 0 || field.sample(seen).distance_m < 0.5 * cell_m) continue;
-        cells.push_back({{x, y, z}, false});
+        cells.emplace_back(x, y, z);
       }
     }
   }
-  return cells;
 }
 
 }  // namespace
 
-std::vector<OccupancyCell> occupancy_cells(const TsdfVolume& field, const TriangleMesh& mesh_world,
-                                           const RigidTransform& gravity_from_world, double cell_m,
-                                           ThreadPool& pool) {
-  std::vector<OccupancyCell> cells;
-  cells.reserve(mesh_world.vertices.size());
-  for (const Eigen::Vector3f& vertex : mesh_world.vertices) {
-    const Vector3d point_gravity = gravity_from_world * Vector3d(vertex.cast<double>());
-    cells.push_back({cell_of(point_gravity, cell_m), true});
-  }
-  keep_first_of_each(cells);  // many vertices lie in one cell
+Expected<void> visit_free_cells(TsdfVolume& field, const RigidTransform& gravity_from_world,
+                                double cell_m, ThreadPool& pool,
+                                const std::function<void(std::span<const Vector3i>)>& visit) {
   const std::vector<Vector3i> blocks = field.blocks();
   constexpr std::size_t kBlocksATask = 512;
-  std::vector<std::vector<OccupancyCell>> found((blocks.size() + kBlocksATask - 1) / kBlocksATask);
-  pool.parallel_for(found.size(), [&](std::size_t task) {
-    const std::size_t end = std::min(blocks.size(), (task + 1) * kBlocksATask);
-    for (std::size_t i = task * kBlocksATask; i < end; ++i) {
-      const auto here = free_cells(field, blocks[i], gravity_from_world, cell_m);
-      found[task].insert(found[task].end(), here.begin(), here.end());
-    }
-  });
-  for (auto& some : found) {
-    cells.insert(cells.end(), some.begin(), some.end());
-    some = {};
+  const std::size_t blocks_a_round = kBlocksATask * pool.size();
+  for (std::size_t first = 0; first < blocks.size(); first += blocks_a_round) {
+    const std::size_t count = std::min(blocks_a_round, blocks.size() - first);
+    const auto round = std::span(blocks).subspan(first, count);
+    ROOMWISE_RETURN_IF_ERROR(field.bring(round));
+    std::vector<std::vector<Vector3i>> found((count + kBlocksATask - 1) / kBlocksATask);
+    pool.parallel_for(found.size(), [&](std::size_t task) {
+      const std::size_t end = std::min(count, (task + 1) * kBlocksATask);
+      for (std::size_t i = task * kBlocksATask; i < end; ++i)
+        add_free_cells(field, round[i], gravity_from_world, cell_m, found[task]);
+    });
+    for (const auto& some : found) visit(some);
   }
+  return {};
+}
+
+Expected<std::vector<OccupancyCell>> occupancy_cells(TsdfVolume& field,
+                                                     const PiecewiseMesh& mesh_world,
+                                                     const RigidTransform& gravity_from_world,
+                                                     double cell_m, ThreadPool& pool) {
+  std::vector<OccupancyCell> cells;
+  cells.reserve(mesh_world.vertex_count());
+  ROOMWISE_RETURN_IF_ERROR(mesh_world.for_each([&](const MeshPiece& piece) {
+    for (const Eigen::Vector3f& vertex : piece.own_vertices()) {
+      const Vector3d point_gravity = gravity_from_world * Vector3d(vertex.cast<double>());
+      cells.push_back({cell_of(point_gravity, cell_m), true});
+    }
+  }));
+  keep_first_of_each(cells);  // many vertices lie in one cell
+  ROOMWISE_RETURN_IF_ERROR(
+      visit_free_cells(field, gravity_from_world, cell_m, pool, [&](const auto& some) {
+        for (const Vector3i& cell : some) cells.push_back({cell, false});
+      }));
   keep_first_of_each(cells);
   return cells;
 }

@@ -122,11 +122,10 @@ TEST(OccupancyCells, AreOccupiedOnTheSurfaceFreeBeforeItAndUnknownBehind) {
   using testing::Vector3d;
   ThreadPool pool(2);
   const auto cameras = {testing::looking_at({-1, 0.1, 0.5}, {1, 0.1, 0.5})};
-  const TsdfVolume field =
-      testing::fuse({testing::half_space(-Vector3d::UnitX(), -1.02)}, cameras, pool);
-  const TriangleMesh mesh = extract_mesh(field, MeshOptions{}, pool);
+  TsdfVolume field = testing::fuse({testing::half_space(-Vector3d::UnitX(), -1.02)}, cameras, pool);
+  const PiecewiseMesh mesh = extract_mesh(field, MeshOptions{}, pool).value();
   const geometry::RigidTransform gravity_from_world{Eigen::Quaterniond::Identity(), {0.3, 0, 0}};
-  const auto cells = occupancy_cells(field, mesh, gravity_from_world, 0.05, pool);
+  const auto cells = occupancy_cells(field, mesh, gravity_from_world, 0.05, pool).value();
   const Cells found = as_map(cells);
   EXPECT_EQ(found.size(), cells.size()) << "each once";
   const auto at = [&](double x_m) {

@@ -28,39 +28,36 @@ constexpr double kLongestGap_m = 1.0;
 
 // ---- what lies under a walk ----
 
-// The places of a surface that face up, found by their place on the floor.
+// The places of a surface that face up and lie near a walk, found by their place on the floor.
 class LevelSurface {
  public:
-  explicit LevelSurface(const TriangleMesh& mesh) {
-    constexpr float kMinCosine = 0.95F;  // 18 degrees
-    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-      if (mesh.normals[i].z() < kMinCosine) continue;
-      const Vector3d place = mesh.vertices[i].cast<double>();
-      cells_[cell_of(place.head<2>())].push_back(place);
+  explicit LevelSurface(std::span<const CameraPath> paths) {
+    for (const CameraPath& path : paths) {
+      for (const Vector3d& camera : path)
+        visit_cells(camera.head<2>(), kBody_m, [&](const Cell& cell) { cells_[cell]; });
     }
   }
 
-  template <typename Visit>
-  void visit_around(const Vector2d& middle, double radius_m, const Visit& visit) const {
-    const auto low = cell_of(middle - Vector2d::Constant(radius_m));
-    const auto high = cell_of(middle + Vector2d::Constant(radius_m));
-    for (int y = low.second; y <= high.second; ++y) {
-      for (int x = low.first; x <= high.first; ++x) {
-        const auto cell = cells_.find({x, y});
-        if (cell == cells_.end()) continue;
-        for (const Vector3d& place : cell->second) {
-          if ((place.head<2>() - middle).squaredNorm() <= radius_m * radius_m) visit(place);
-        }
-      }
+  void add(const MeshPiece& piece) {
+    constexpr float kMinCosine = 0.95F;  // 18 degrees
+    for (std::size_t i = 0; i < piece.own; ++i) {
+      if (piece.mesh.normals[i].z() < kMinCosine) continue;
+      const Eigen::Vector3f& place = piece.mesh.vertices[i];
+      const auto cell = cells_.find(cell_of(place.head<2>().cast<double>()));
+      if (cell != cells_.end()) cell->second.push_back(place);
     }
   }
 
   // What a person with a camera there stands on: the height that most of the surface has.
   [[nodiscard]] std::optional<double> ground_m(const Vector3d& camera) const {
     std::vector<double> heights;
-    visit_around(camera.head<2>(), kBody_m, [&](const Vector3d& place) {
-      const double below_m = camera.z() - place.z();
-      if (below_m >= kCameraFrom_m && below_m <= kCameraTo_m) heights.push_back(place.z());
+    visit_cells(camera.head<2>(), kBody_m, [&](const Cell& cell) {
+      for (const Eigen::Vector3f& one : cells_.at(cell)) {
+        const Vector3d place = one.cast<double>();
+        if ((place.head<2>() - camera.head<2>()).squaredNorm() > kBody_m * kBody_m) continue;
+        const double below_m = camera.z() - place.z();
+        if (below_m >= kCameraFrom_m && below_m <= kCameraTo_m) heights.push_back(place.z());
+      }
     });
     constexpr std::size_t kFewest = 10;  // vertices: 40 cm^2 at 2 cm
     if (heights.size() < kFewest) return std::nullopt;
@@ -77,11 +74,21 @@ class LevelSurface {
 
  private:
   static constexpr double kBucket_m = 0.25;
-  static std::pair<int, int> cell_of(const Vector2d& place) {
+  using Cell = std::pair<int, int>;
+  static Cell cell_of(const Vector2d& place) {
     return {static_cast<int>(std::floor(place.x() / kBucket_m)),
             static_cast<int>(std::floor(place.y() / kBucket_m))};
   }
-  std::map<std::pair<int, int>, std::vector<Vector3d>> cells_;
+  template <typename Visit>
+  static void visit_cells(const Vector2d& middle, double radius_m, const Visit& visit) {
+    const Cell low = cell_of(middle - Vector2d::Constant(radius_m));
+    const Cell high = cell_of(middle + Vector2d::Constant(radius_m));
+    for (int y = low.second; y <= high.second; ++y) {
+      for (int x = low.first; x <= high.first; ++x) visit(Cell(x, y));
+    }
+  }
+
+  std::map<Cell, std::vector<Eigen::Vector3f>> cells_;
 };
 
 struct GroundPlace {
@@ -339,30 +346,42 @@ class Flight {
   double going_m_ = 0, foot_m_ = 0;
 };
 
-std::optional<Staircase> staircase_along(const Climb& climb, const TriangleMesh& mesh,
-                                         const std::vector<double>& levels) {
-  const Polyline axis(climb.way);
-  if (!axis.is_line()) return std::nullopt;
-  const double from_m = levels[climb.lower], height_m = levels[climb.lower + 1] - from_m;
-  constexpr double kBeside_m = 2.0;  // flights of homes are narrower
+// The surface about a flight.
+struct FlightSurface {
+  Polyline axis;
+  std::size_t lower = 0;
+  double from_m = 0, height_m = 0;  // of the level below, and up to the next
   std::vector<FlightPlace> places, treads;
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const Vector3d place = mesh.vertices[i].cast<double>();
-    const double over_m = place.z() - from_m;
-    if (over_m < kSameFloor_m || over_m > height_m + kPerson_m) continue;
-    const Vector2d measured = axis.measure(place.head<2>());
-    if (measured.x() < 0 || measured.x() > axis.length_m()) continue;
-    if (std::abs(measured.y()) > kBeside_m) continue;
-    const bool is_level = mesh.normals[i].z() > 0.95F;
-    const bool is_tread = is_level && over_m < height_m - kSameFloor_m;
-    // A tread is level and below the upper floor; a rail or a wall is higher than 0.7 m.
-    if (is_tread && std::abs(measured.y()) < kBody_m) {
-      treads.push_back({measured.x(), measured.y(), over_m});
+
+  FlightSurface(const Climb& climb, const std::vector<double>& levels)
+      : axis(climb.way),
+        lower(climb.lower),
+        from_m(levels[climb.lower]),
+        height_m(levels[climb.lower + 1] - from_m) {}
+
+  void add(const MeshPiece& piece) {
+    constexpr double kBeside_m = 2.0;  // flights of homes are narrower
+    for (std::size_t i = 0; i < piece.own; ++i) {
+      const Vector3d place = piece.mesh.vertices[i].cast<double>();
+      const double over_m = place.z() - from_m;
+      if (over_m < kSameFloor_m || over_m > height_m + kPerson_m) continue;
+      const Vector2d measured = axis.measure(place.head<2>());
+      if (measured.x() < 0 || measured.x() > axis.length_m()) continue;
+      if (std::abs(measured.y()) > kBeside_m) continue;
+      const bool is_level = piece.mesh.normals[i].z() > 0.95F;
+      const bool is_tread = is_level && over_m < height_m - kSameFloor_m;
+      // A tread is level and below the upper floor; a rail or a wall is higher than 0.7 m.
+      if (is_tread && std::abs(measured.y()) < kBody_m)
+        treads.push_back({measured.x(), measured.y(), over_m});
+      if (is_tread || over_m > 0.7) places.push_back({measured.x(), measured.y(), over_m});
     }
-    if (is_tread || over_m > 0.7) places.push_back({measured.x(), measured.y(), over_m});
   }
+};
+
+Staircase staircase_on(const FlightSurface& surface) {
+  const auto& [axis, lower, from_m, height_m, places, treads] = surface;
   Staircase stairs;
-  stairs.lower = climb.lower;
+  stairs.lower = lower;
   double foot_m = std::min(kStand_m, axis.length_m() / 2);
   double top_m = axis.length_m() - foot_m;
   const auto [steps, score] = count_steps(treads, height_m);
@@ -468,20 +487,29 @@ double Storeys::beyond_m(const Staircase& stairs, bool is_up, const Vector2d& po
                : (stairs.foot_gravity - place).dot(climbing);
 }
 
-StoreysFound find_storeys(const TriangleMesh& mesh_gravity, std::span<const CameraPath> paths) {
-  const LevelSurface surface(mesh_gravity);
+Expected<StoreysFound> find_storeys(const PiecewiseMesh& mesh_gravity,
+                                    std::span<const CameraPath> paths) {
   std::vector<GroundPath> grounds;
-  for (const CameraPath& path : paths) grounds.push_back(ground_under(path, surface));
+  {
+    LevelSurface surface(paths);
+    ROOMWISE_RETURN_IF_ERROR(
+        mesh_gravity.for_each([&](const MeshPiece& piece) { surface.add(piece); }));
+    for (const CameraPath& path : paths) grounds.push_back(ground_under(path, surface));
+  }
   StoreysFound found;
   found.floors_m = levels_of(grounds);
   if (found.floors_m.size() < 2) return found;
+  std::vector<FlightSurface> flights;
   for (const GroundPath& path : grounds) {
     for (const Climb& climb : climbs_of(path, found.floors_m)) {
-      if (auto stairs = staircase_along(climb, mesh_gravity, found.floors_m)) {
-        keep_best(*std::move(stairs), found.stairs);
-      }
+      flights.emplace_back(climb, found.floors_m);
+      if (!flights.back().axis.is_line()) flights.pop_back();
     }
   }
+  ROOMWISE_RETURN_IF_ERROR(mesh_gravity.for_each([&](const MeshPiece& piece) {
+    for (FlightSurface& flight : flights) flight.add(piece);
+  }));
+  for (const FlightSurface& flight : flights) keep_best(staircase_on(flight), found.stairs);
   return found;
 }
 

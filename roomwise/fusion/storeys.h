@@ -7,7 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "roomwise/fusion/triangle_mesh.h"
+#include "roomwise/base/expected.h"
+#include "roomwise/fusion/piecewise_mesh.h"
 
 namespace roomwise::fusion {
 
@@ -79,9 +80,10 @@ struct StoreysFound {
 // The levels that people walked on, and the stairs between them. A level is a height at which the
 // surface lies under the path for a few strides (kMinWalked_m), farther than a person is tall from
 // any level that was walked more: whoever stands below must have room, and landings within a flight
-// are nearer. Steps are counted by the one spacing that all treads of a flight share.
-[[nodiscard]] StoreysFound find_storeys(const TriangleMesh& mesh_gravity,
-                                        std::span<const CameraPath> paths);
+// are nearer. Steps are counted by the one spacing that all treads of a flight share. Fails where
+// the mesh cannot be read.
+[[nodiscard]] Expected<StoreysFound> find_storeys(const PiecewiseMesh& mesh_gravity,
+                                                  std::span<const CameraPath> paths);
 
 // How high the only level that people walked on lies where z = 0 is another one, which they left
 // within a few strides: a hall from which stairs lead to the flat. 0 otherwise.

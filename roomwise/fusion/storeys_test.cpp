@@ -69,18 +69,18 @@ TEST_F(StoreysTest, AFlatHasOneAndNoStairs) {
   add_floor(-4, 4, -1, 1, 0);
   CameraPath path;
   for (double x = -3; x < 3; x += 0.1) path.emplace_back(x, 0, 1.4);
-  const StoreysFound found = find_storeys(mesh_, std::array{path});
+  const StoreysFound found = find_storeys(mesh_, std::array{path}).value();
   EXPECT_EQ(found.floors_m.size(), 1U);
   EXPECT_TRUE(found.stairs.empty());
-  EXPECT_TRUE(find_storeys({}, {}).floors_m.empty());
+  EXPECT_TRUE(find_storeys({}, {})->floors_m.empty());
 }
 
 TEST_F(StoreysTest, TheOnlyLevelThatWasWalkedIsToldFromAHallThatWasLeftAtOnce) {
   make_home();
   CameraPath path = path_over(true);
-  EXPECT_EQ(only_level_m(find_storeys(mesh_, std::array{path})), 0) << "two were walked";
+  EXPECT_EQ(only_level_m(find_storeys(mesh_, std::array{path}).value()), 0) << "two were walked";
   std::erase_if(path, [](const Vector3d& place) { return place.x() < kFoot_m - 1; });
-  const StoreysFound found = find_storeys(mesh_, std::array{path});
+  const StoreysFound found = find_storeys(mesh_, std::array{path}).value();
   EXPECT_EQ(found.floors_m.size(), 1U);
   EXPECT_NEAR(only_level_m(found), kSteps * kRise_m, 0.02);
   EXPECT_EQ(only_level_m({{0.9}, {}}), 0) << "who looks over a counter does not stand on it";
@@ -89,7 +89,7 @@ TEST_F(StoreysTest, TheOnlyLevelThatWasWalkedIsToldFromAHallThatWasLeftAtOnce) {
 TEST_F(StoreysTest, StairsAreCountedAndMeasuredWhicheverWayTheyAreWalked) {
   make_home();
   for (const bool is_up : {true, false}) {
-    const StoreysFound found = find_storeys(mesh_, std::array{path_over(is_up)});
+    const StoreysFound found = find_storeys(mesh_, std::array{path_over(is_up)}).value();
     ASSERT_EQ(found.floors_m.size(), 2U);
     EXPECT_NEAR(found.floors_m[0], 0, 0.01);
     EXPECT_NEAR(found.floors_m[1], kSteps * kRise_m, 0.01);
@@ -108,7 +108,7 @@ TEST_F(StoreysTest, ARailIsToldFromAWallByWhatIsAboveIt) {
   make_home();
   add_wall_beside(0.5, 0.8, 0.95);   // a rail on the left
   add_wall_beside(-0.55, 0.0, 2.2);  // a wall on the right
-  const StoreysFound found = find_storeys(mesh_, std::array{path_over(true)});
+  const StoreysFound found = find_storeys(mesh_, std::array{path_over(true)}).value();
   ASSERT_EQ(found.stairs.size(), 1U);
   EXPECT_TRUE(found.stairs[0].has_left_rail);
   EXPECT_FALSE(found.stairs[0].has_right_rail);
@@ -122,7 +122,7 @@ TEST_F(StoreysTest, ARampHasNoSteps) {
     }
   }
   add_floor(kFoot_m + kRun_m, kFoot_m + kRun_m + 5, -1, 1, kSteps * kRise_m);
-  const StoreysFound found = find_storeys(mesh_, std::array{path_over(true)});
+  const StoreysFound found = find_storeys(mesh_, std::array{path_over(true)}).value();
   ASSERT_EQ(found.stairs.size(), 1U);
   EXPECT_EQ(found.stairs[0].steps, 0);
 }
@@ -132,7 +132,7 @@ TEST_F(StoreysTest, APlatformLowerThanAPersonIsNoStorey) {
   add_floor(0, 4, -1, 1, 1.0);
   CameraPath path;
   for (double x = -3; x < 3; x += 0.1) path.emplace_back(x, 0, x < 0 ? 1.4 : 2.4);
-  EXPECT_EQ(find_storeys(mesh_, std::array{path}).floors_m.size(), 1U);
+  EXPECT_EQ(find_storeys(mesh_, std::array{path})->floors_m.size(), 1U);
 }
 
 Storeys two_storeys() {

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <span>
 #include <unordered_map>
+#include <utility>
 
 #include "roomwise/base/disjoint_sets.h"
 #include "roomwise/fusion/marching_cubes.h"
@@ -116,10 +118,34 @@ struct EdgeKeyHash {
   }
 };
 
+double area_m2(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
+  const Eigen::Vector3d a = mesh.vertices[triangle[0]].cast<double>();
+  const Eigen::Vector3d b = mesh.vertices[triangle[1]].cast<double>();
+  const Eigen::Vector3d c = mesh.vertices[triangle[2]].cast<double>();
+  return 0.5 * (b - a).cross(c - a).norm();
+}
+
 // The surface in one block's cubes; triangles count its own vertices.
 struct BlockMesh {
   TriangleMesh mesh;
   std::vector<EdgeKey> keys;  // of the vertices
+  // What hangs together within the block: for each vertex the lowest that does, and of that one the
+  // area.
+  std::vector<std::uint32_t> components;
+  std::vector<double> areas_m2;
+
+  void find_components() {
+    DisjointSets sets(mesh.vertices.size());
+    for (const auto& [a, b, c] : mesh.triangles) {
+      sets.join(a, b);
+      sets.join(a, c);
+    }
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+      components.push_back(static_cast<std::uint32_t>(sets.find(i)));
+    areas_m2.resize(mesh.vertices.size());
+    for (const auto& triangle : mesh.triangles)
+      areas_m2[components[triangle[0]]] += area_m2(mesh, triangle);
+  }
 };
 
 class BlockMesher {
@@ -137,6 +163,7 @@ class BlockMesher {
         for (int x = 0; x < kBlockSide; ++x) add_cube({x, y, z});
       }
     }
+    result_.find_components();
     return std::move(result_);
   }
 
@@ -203,39 +230,162 @@ class BlockMesher {
 // of their keys, layer by layer.
 class MeshJoiner {
  public:
+  explicit MeshJoiner(const WorkingSet& working_set)
+      : working_set_(working_set), pieces_(working_set) {}
+
   void add(const Vector3i& place, const BlockMesh& block) {
     // A vertex belongs to its block or to one behind: those of lower layers are not met again.
     vertices_of_.erase(vertices_of_.begin(), vertices_of_.lower_bound(place.z()));
+    const std::vector<std::uint32_t> components = join_components(block);
     std::vector<std::uint32_t> joined;
     joined.reserve(block.keys.size());
     for (std::size_t i = 0; i < block.keys.size(); ++i) {
-      const auto next = static_cast<std::uint32_t>(mesh_.vertices.size());
-      auto& layer = vertices_of_[TsdfVolume::block_of(block.keys[i].block).z()];
-      const auto [found, is_new] = layer.try_emplace(block.keys[i], next);
-      if (is_new) {
-        mesh_.vertices.push_back(block.mesh.vertices[i]);
-        mesh_.normals.push_back(block.mesh.normals[i]);
-        mesh_.colors.push_back(block.mesh.colors[i]);
-      }
-      joined.push_back(found->second);
+      const Vertex next{piece_.first + static_cast<std::uint32_t>(piece_.mesh.vertices.size()),
+                        components[i]};
+      const auto [found, is_new] = layer_of(block.keys[i]).try_emplace(block.keys[i], next);
+      const std::uint32_t number = found->second.number;
+      if (is_new) append(block.mesh, i, components[i], piece_.mesh, piece_.components);
+      joined.push_back(number >= piece_.first ? number - piece_.first
+                                              : borrow(number, block.mesh, i, components[i]));
     }
-    for (const auto& [a, b, c] : block.mesh.triangles) {
-      mesh_.triangles.push_back({joined[a], joined[b], joined[c]});
-    }
+    for (const auto& [a, b, c] : block.mesh.triangles)
+      piece_.mesh.triangles.push_back({joined[a], joined[b], joined[c]});
   }
-  TriangleMesh finish() { return std::move(mesh_); }
+
+  // What was added since becomes a piece.
+  [[nodiscard]] Expected<void> end_piece() {
+    piece_.own = piece_.mesh.vertices.size();
+    const auto own = static_cast<std::uint32_t>(piece_.own);
+    for (auto& triangle : piece_.mesh.triangles) {
+      for (std::uint32_t& corner : triangle) {
+        if ((corner & kBorrowed) != 0) corner = own + (corner & ~kBorrowed);
+      }
+    }
+    for (std::size_t i = 0; i < borrowed_.vertices.size(); ++i)
+      append(borrowed_, i, borrowed_components_[i], piece_.mesh, piece_.components);
+    MeshPiece next;
+    next.first = piece_.first + own;
+    ROOMWISE_RETURN_IF_ERROR(pieces_.add(std::exchange(piece_, std::move(next))));
+    borrowed_ = {};
+    borrowed_components_.clear();
+    borrowed_at_.clear();
+    return {};
+  }
+
+  // Without what hangs together and has less area.
+  [[nodiscard]] Expected<PiecewiseMesh> finish(double min_component_m2) {
+    vertices_of_.clear();
+    std::vector<double> area_m2(areas_m2_.size(), 0.0);
+    for (std::size_t i = 0; i < areas_m2_.size(); ++i) area_m2[components_.find(i)] += areas_m2_[i];
+    std::vector<bool> stays(areas_m2_.size());
+    for (std::size_t i = 0; i < areas_m2_.size(); ++i)
+      stays[i] = area_m2[components_.find(i)] >= min_component_m2;
+
+    MeshPieces kept(working_set_);
+    std::vector<std::uint32_t> gone;  // numbers of vertices, rising
+    std::size_t vertices = 0, triangles = 0;
+    MeshPiece room;
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      ROOMWISE_TRY(const MeshPiece* const piece, pieces_.get(i, room));
+      MeshPiece rest = without(*piece, stays, gone);
+      vertices += rest.own;
+      triangles += rest.mesh.triangles.size();
+      pieces_.drop(i);
+      ROOMWISE_RETURN_IF_ERROR(kept.add(std::move(rest)));
+    }
+    return PiecewiseMesh(std::move(kept), vertices, triangles);
+  }
 
  private:
-  TriangleMesh mesh_;
-  std::map<int, std::unordered_map<EdgeKey, std::uint32_t, EdgeKeyHash>> vertices_of_;  // by layer
-};
+  static constexpr std::uint32_t kBorrowed = 1U << 31U;  // a mark of corners while a piece grows
+  struct Vertex {
+    std::uint32_t number = 0, component = 0;
+  };
+  using Layer = std::unordered_map<EdgeKey, Vertex, EdgeKeyHash>;
 
-double area_m2(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
-  const Eigen::Vector3d a = mesh.vertices[triangle[0]].cast<double>();
-  const Eigen::Vector3d b = mesh.vertices[triangle[1]].cast<double>();
-  const Eigen::Vector3d c = mesh.vertices[triangle[2]].cast<double>();
-  return 0.5 * (b - a).cross(c - a).norm();
-}
+  Layer& layer_of(const EdgeKey& key) { return vertices_of_[TsdfVolume::block_of(key.block).z()]; }
+
+  static void append(const TriangleMesh& from, std::size_t vertex, std::uint32_t component,
+                     TriangleMesh& mesh, std::vector<std::uint32_t>& components) {
+    mesh.vertices.push_back(from.vertices[vertex]);
+    mesh.normals.push_back(from.normals[vertex]);
+    mesh.colors.push_back(from.colors[vertex]);
+    components.push_back(component);
+  }
+
+  // A vertex of an earlier piece, which is the same to the bit in each block that has it.
+  std::uint32_t borrow(std::uint32_t number, const TriangleMesh& mesh, std::size_t vertex,
+                       std::uint32_t component) {
+    const auto next = static_cast<std::uint32_t>(borrowed_.vertices.size());
+    const auto [found, is_new] = borrowed_at_.try_emplace(number, next);
+    if (is_new) {
+      append(mesh, vertex, component, borrowed_, borrowed_components_);
+      piece_.borrowed.push_back(number);
+    }
+    return found->second | kBorrowed;
+  }
+
+  // What hangs together in a block hangs together with what has the same vertices. By vertex.
+  std::vector<std::uint32_t> join_components(const BlockMesh& block) {
+    constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    std::vector<std::uint32_t> of_lowest(block.keys.size(), kNone), components;
+    for (std::size_t i = 0; i < block.keys.size(); ++i) {
+      std::uint32_t& component = of_lowest[block.components[i]];
+      const Layer& layer = layer_of(block.keys[i]);
+      const auto known = layer.find(block.keys[i]);
+      if (known == layer.end()) continue;
+      if (component == kNone) {
+        component = known->second.component;
+      } else {
+        components_.join(component, known->second.component);
+      }
+    }
+    for (std::size_t i = 0; i < block.keys.size(); ++i) {
+      std::uint32_t& component = of_lowest[block.components[i]];
+      if (component == kNone) {
+        component = static_cast<std::uint32_t>(components_.add());
+        areas_m2_.push_back(0);
+      }
+      if (block.components[i] == i) areas_m2_[component] += block.areas_m2[i];
+      components.push_back(component);
+    }
+    return components;
+  }
+
+  static MeshPiece without(const MeshPiece& piece, const std::vector<bool>& stays,
+                           std::vector<std::uint32_t>& gone) {
+    MeshPiece rest;
+    rest.first = piece.first - static_cast<std::uint32_t>(gone.size());
+    std::vector<std::uint32_t> place(piece.mesh.vertices.size());
+    std::vector<std::uint32_t> unused;
+    for (std::size_t i = 0; i < piece.mesh.vertices.size(); ++i) {
+      place[i] = static_cast<std::uint32_t>(rest.mesh.vertices.size());
+      if (stays[piece.components[i]]) {
+        append(piece.mesh, i, 0, rest.mesh, unused);
+        if (i < piece.own) continue;
+        const auto before = std::ranges::lower_bound(gone, piece.number_of(i)) - gone.begin();
+        rest.borrowed.push_back(piece.number_of(i) - static_cast<std::uint32_t>(before));
+      } else if (i < piece.own) {
+        gone.push_back(piece.number_of(i));
+      }
+    }
+    rest.own = rest.mesh.vertices.size() - rest.borrowed.size();
+    for (const auto& [a, b, c] : piece.mesh.triangles) {
+      if (stays[piece.components[a]]) rest.mesh.triangles.push_back({place[a], place[b], place[c]});
+    }
+    return rest;
+  }
+
+  WorkingSet working_set_;
+  MeshPieces pieces_;
+  MeshPiece piece_;  // that grows; `borrowed_` will follow its own vertices
+  TriangleMesh borrowed_;
+  std::vector<std::uint32_t> borrowed_components_;
+  std::unordered_map<std::uint32_t, std::uint32_t> borrowed_at_;  // by number
+  std::map<int, Layer> vertices_of_;                              // by layer
+  DisjointSets components_{0};
+  std::vector<double> areas_m2_;  // by component, before they are joined
+};
 
 }  // namespace
 
@@ -247,14 +397,16 @@ Expected<void> MeshOptions::validate() const {
   return {};
 }
 
-TriangleMesh extract_mesh(const TsdfVolume& field, const MeshOptions& options, ThreadPool& pool) {
+Expected<PiecewiseMesh> extract_mesh(TsdfVolume& field, const MeshOptions& options,
+                                     ThreadPool& pool) {
   const std::vector<Vector3i> blocks = field.blocks();
-  MeshJoiner joiner;
+  MeshJoiner joiner(field.working_set());
   // Blocks' surfaces wait to be joined in the order of the blocks, not all at once.
   constexpr std::size_t kBlocksATask = 128;
   const std::size_t blocks_a_round = kBlocksATask * 4 * pool.size();
   for (std::size_t first = 0; first < blocks.size(); first += blocks_a_round) {
     const std::size_t count = std::min(blocks_a_round, blocks.size() - first);
+    ROOMWISE_RETURN_IF_ERROR(field.bring_around(std::span(blocks).subspan(first, count)));
     std::vector<BlockMesh> meshes(count);
     pool.parallel_for((count + kBlocksATask - 1) / kBlocksATask, [&](std::size_t task) {
       BlockMesher mesher(field, options.min_weight);
@@ -264,44 +416,9 @@ TriangleMesh extract_mesh(const TsdfVolume& field, const MeshOptions& options, T
       }
     });
     for (std::size_t i = 0; i < count; ++i) joiner.add(blocks[first + i], meshes[i]);
+    ROOMWISE_RETURN_IF_ERROR(joiner.end_piece());
   }
-  TriangleMesh mesh = joiner.finish();
-  return options.min_component_m2 > 0
-             ? without_small_components(std::move(mesh), options.min_component_m2)
-             : std::move(mesh);
-}
-
-TriangleMesh without_small_components(TriangleMesh mesh, double min_component_m2) {
-  DisjointSets components(mesh.vertices.size());  // vertices that hang together
-  for (const auto& [a, b, c] : mesh.triangles) {
-    components.join(a, b);
-    components.join(a, c);
-  }
-  std::vector<double> component_m2(mesh.vertices.size(), 0.0);
-  for (const auto& triangle : mesh.triangles) {
-    component_m2[components.find(triangle[0])] += area_m2(mesh, triangle);
-  }
-  std::erase_if(mesh.triangles, [&](const auto& triangle) {
-    return component_m2[components.find(triangle[0])] < min_component_m2;
-  });
-  // What is kept moves to the front, where it stands: a mesh of a home is large.
-  std::vector<std::uint32_t> place(mesh.vertices.size());
-  std::uint32_t kept = 0;
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    place[i] = kept;
-    if (component_m2[components.find(i)] < min_component_m2) continue;
-    mesh.vertices[kept] = mesh.vertices[i];
-    mesh.normals[kept] = mesh.normals[i];
-    mesh.colors[kept] = mesh.colors[i];
-    ++kept;
-  }
-  mesh.vertices.resize(kept);
-  mesh.normals.resize(kept);
-  mesh.colors.resize(kept);
-  for (auto& triangle : mesh.triangles) {
-    for (std::uint32_t& corner : triangle) corner = place[corner];
-  }
-  return mesh;
+  return joiner.finish(options.min_component_m2);
 }
 
 }  // namespace roomwise::fusion

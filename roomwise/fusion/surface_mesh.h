@@ -2,7 +2,7 @@
 
 #include "roomwise/base/expected.h"
 #include "roomwise/base/thread_pool.h"
-#include "roomwise/fusion/triangle_mesh.h"
+#include "roomwise/fusion/piecewise_mesh.h"
 #include "roomwise/fusion/tsdf_volume.h"
 
 namespace roomwise::fusion {
@@ -19,12 +19,9 @@ struct MeshOptions {
 
 // The surface of a field by marching cubes: a vertex on each edge between neighbouring voxels where
 // the distance changes its sign, in cubes whose eight voxels all have enough weight. Normals are
-// the gradient of the distance. In the field's frame; the same bits at any number of threads.
-[[nodiscard]] TriangleMesh extract_mesh(const TsdfVolume& field, const MeshOptions& options,
-                                        ThreadPool& pool);
-
-// Without the pieces (of triangles that share vertices) that have less area, and without vertices
-// that no triangle uses.
-[[nodiscard]] TriangleMesh without_small_components(TriangleMesh mesh, double min_component_m2);
+// the gradient of the distance. In the field's frame; the same bits at any number of threads and
+// with any working set, which is the field's. Errors are those of scratch files.
+[[nodiscard]] Expected<PiecewiseMesh> extract_mesh(TsdfVolume& field, const MeshOptions& options,
+                                                   ThreadPool& pool);
 
 }  // namespace roomwise::fusion

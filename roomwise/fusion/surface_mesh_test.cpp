@@ -36,13 +36,19 @@ class SurfaceMeshTest : public ::testing::Test {
     }
     return max_m;
   }
+  TriangleMesh mesh_of(TsdfVolume& field, const MeshOptions& options = {}) {
+    return extract_mesh(field, options, pool_)->whole().value();
+  }
+  TriangleMesh mesh_of(TsdfVolume&& field, const MeshOptions& options = {}) {
+    return mesh_of(field, options);
+  }
   ThreadPool pool_{2};
 };
 
 TEST_F(SurfaceMeshTest, ASphereIsClosedAndItsNormalsPointOut) {
   const Vector3d center(0.011, -0.007, 0.003);
   const Scene scene{sphere(center, 0.2)};
-  const TriangleMesh mesh = extract_mesh(true_field(scene, -2, 2), kAll, pool_);
+  const TriangleMesh mesh = mesh_of(true_field(scene, -2, 2), kAll);
   ASSERT_GT(mesh.vertices.size(), 500U);
   ASSERT_EQ(mesh.normals.size(), mesh.vertices.size());
   ASSERT_EQ(mesh.colors.size(), mesh.vertices.size());
@@ -63,7 +69,7 @@ TEST_F(SurfaceMeshTest, ASphereIsClosedAndItsNormalsPointOut) {
 
 TEST_F(SurfaceMeshTest, ABoxHasItsCornersWithinAVoxel) {
   const Scene scene{box({-0.15, -0.11, -0.07}, {0.13, 0.12, 0.09})};
-  const TriangleMesh mesh = extract_mesh(true_field(scene, -2, 2), kAll, pool_);
+  const TriangleMesh mesh = mesh_of(true_field(scene, -2, 2), kAll);
   EXPECT_TRUE(is_closed(mesh));
   EXPECT_EQ(euler_characteristic(mesh), 2);
   EXPECT_LT(max_error_m(mesh, scene), 0.01);
@@ -71,8 +77,7 @@ TEST_F(SurfaceMeshTest, ABoxHasItsCornersWithinAVoxel) {
 
 TEST_F(SurfaceMeshTest, AFusedSphereIsClosedWhenItIsSeenFromAllSides) {
   const Scene scene{sphere({0.02, 0.01, 0}, 0.3, {100, 150, 200})};
-  const TriangleMesh mesh =
-      extract_mesh(fuse(scene, all_round({0, 0, 0}, 1.2), pool_), MeshOptions{}, pool_);
+  const TriangleMesh mesh = mesh_of(fuse(scene, all_round({0, 0, 0}, 1.2), pool_));
   EXPECT_TRUE(is_closed(mesh));
   EXPECT_EQ(euler_characteristic(mesh), 2);
   EXPECT_LT(max_error_m(mesh, scene), 0.2 * TsdfOptions{}.voxel_size_m);
@@ -85,8 +90,7 @@ TEST_F(SurfaceMeshTest, AFusedPlaneIsFlatUnderTheNoiseOfACamera) {
   for (int i = 0; i < 10; ++i) {
     cameras.push_back(looking_at({0.1 * i, 0, 1.5}, {0.1 * i + 0.6, 0.2, 0}));
   }
-  const TriangleMesh mesh =
-      extract_mesh(fuse(scene, cameras, pool_, {}, 0.0014), MeshOptions{}, pool_);
+  const TriangleMesh mesh = mesh_of(fuse(scene, cameras, pool_, {}, 0.0014));
   ASSERT_GT(mesh.vertices.size(), 3000U);
   std::size_t near = 0;
   for (const Vector3f& vertex : mesh.vertices) {
@@ -104,7 +108,7 @@ TEST_F(SurfaceMeshTest, AFusedCornerOfARoomStaysACorner) {
     cameras.push_back(looking_at({side, 2.2 - side, 1.3}, {0, 0, 0.2}));
     cameras.push_back(looking_at({side, 2.2 - side, 0.9}, {0.2, 0.2, 0}));
   }
-  const TriangleMesh mesh = extract_mesh(fuse(scene, cameras, pool_), MeshOptions{}, pool_);
+  const TriangleMesh mesh = mesh_of(fuse(scene, cameras, pool_));
   double sum_m = 0;
   for (const Vector3f& vertex : mesh.vertices) {
     sum_m += std::abs(distance_m(scene, vertex.cast<double>()));
@@ -121,28 +125,27 @@ TEST_F(SurfaceMeshTest, OutlinesDoNotSmear) {
     cameras.push_back(
         looking_at({0.1 * i - 0.25, 0.05 * i, -0.3}, {0, 0, 1.0}, -Vector3d::UnitY()));
   }
-  const TriangleMesh mesh = extract_mesh(fuse(scene, cameras, pool_), MeshOptions{}, pool_);
+  const TriangleMesh mesh = mesh_of(fuse(scene, cameras, pool_));
   EXPECT_LT(max_error_m(mesh, scene), 0.03);
 }
 
 TEST_F(SurfaceMeshTest, SmallComponentsGo) {
   const Scene scene{sphere({-0.1, 0, 0}, 0.12), sphere({0.2, 0, 0}, 0.04)};
-  const TsdfVolume field = true_field(scene, -2, 2);
-  const TriangleMesh all = extract_mesh(field, kAll, pool_);
-  const TriangleMesh large =
-      extract_mesh(field, {.min_weight = 1, .min_component_m2 = 0.05}, pool_);
+  TsdfVolume field = true_field(scene, -2, 2);
+  const TriangleMesh all = mesh_of(field, kAll);
+  const TriangleMesh large = mesh_of(field, {.min_weight = 1, .min_component_m2 = 0.05});
   EXPECT_EQ(euler_characteristic(all), 4);
   EXPECT_EQ(euler_characteristic(large), 2);
   EXPECT_TRUE(is_closed(large));
   EXPECT_TRUE(std::ranges::all_of(large.vertices, [](const Vector3f& v) { return v.x() < 0.1F; }));
-  EXPECT_TRUE(without_small_components(all, 1).vertices.empty());
+  EXPECT_TRUE(mesh_of(field, {.min_weight = 1, .min_component_m2 = 1}).vertices.empty());
 }
 
 TEST_F(SurfaceMeshTest, WhatWasHardlySeenDoesNotCount) {
   const Scene scene{sphere({0, 0, 0}, 0.2)};
-  const TsdfVolume field = true_field(scene, -2, 2);
-  EXPECT_TRUE(extract_mesh(field, {.min_weight = 101}, pool_).triangles.empty());
-  EXPECT_FALSE(extract_mesh(field, {.min_weight = 100}, pool_).triangles.empty());
+  TsdfVolume field = true_field(scene, -2, 2);
+  EXPECT_TRUE(mesh_of(field, {.min_weight = 101}).triangles.empty());
+  EXPECT_FALSE(mesh_of(field, {.min_weight = 100}).triangles.empty());
 }
 
 TEST(MeshOptions, SayWhatIsWrong) {

@@ -17,8 +17,8 @@ struct RunContext {
   ThreadPool& pool;
   Progress& progress;
   StageClock& clock;
-  // What a map that is being made may keep of its key-frames in memory, about 0.4 MB each; the
-  // others wait in a scratch file beside the home.
+  // What a map may keep in memory of its key-frames, about 0.4 MB each, while it is made, and of its
+  // voxels and surface while it is fused; the rest waits in a scratch file beside the home.
   std::size_t working_set_bytes = std::size_t{128} << 20U;
   // What to do where a stored picture cannot be read again; null: it ends the work.
   std::shared_ptr<LostPictures> lost = nullptr;

@@ -60,11 +60,11 @@ Expected<pipeline::GravityAlignedMap> build_surface(const ExportOptions& options
 }
 
 Answer wrote_mesh(const fs::path& output, const pipeline::GravityAlignedMap& map) {
-  const fusion::TriangleMesh& mesh = map.mesh_world;
-  return Answer{fmt::format("wrote {} vertices, {} triangles to {}\n", mesh.vertices.size(),
-                            mesh.triangles.size(), output.string()),
-                {{"vertices", mesh.vertices.size()},
-                 {"triangles", mesh.triangles.size()},
+  const fusion::PiecewiseMesh& mesh = map.mesh_world;
+  return Answer{fmt::format("wrote {} vertices, {} triangles to {}\n", mesh.vertex_count(),
+                            mesh.triangle_count(), output.string()),
+                {{"vertices", mesh.vertex_count()},
+                 {"triangles", mesh.triangle_count()},
                  {"output", output.string()}}};
 }
 
@@ -108,7 +108,7 @@ Expected<Answer> export_glb(const ExportOptions& options, Context& context) {
 Expected<Answer> export_octomap(const ExportOptions& options, Context& context) {
   ROOMWISE_RETURN_IF_ERROR(pipeline::validate_cell(options.cell_m, options.voxel_size_m));
   CommandRun run(context);
-  ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, run));
+  ROOMWISE_TRY(pipeline::GravityAlignedMap map, build_surface(options, context, run));
   ROOMWISE_TRY(const auto cells, pipeline::occupancy_of(map, options.cell_m, run));
   ROOMWISE_RETURN_IF_ERROR(fusion::write_octomap(options.output, cells, options.cell_m));
   const auto occupied = std::ranges::count(cells, true, &fusion::OccupancyCell::is_occupied);
@@ -135,7 +135,7 @@ Expected<Answer> export_floor(const ExportOptions& options, Context& context) {
   ROOMWISE_RETURN_IF_ERROR(floor.validate());
   ROOMWISE_RETURN_IF_ERROR(pipeline::validate_cell(options.cell_m, options.voxel_size_m));
   CommandRun run(context);
-  ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, run));
+  ROOMWISE_TRY(pipeline::GravityAlignedMap map, build_surface(options, context, run));
   ROOMWISE_TRY(const auto grids,
                in_context(options.home.string(), pipeline::floor_grids_of(map, floor, run)));
   std::string text;
@@ -206,9 +206,10 @@ void add_voxel(CLI::App& command, ExportOptions& options, const std::string& mea
 }
 
 void add_fused_voxel(CLI::App& command, ExportOptions& options) {
-  add_voxel(command, options,
-            "Size of the voxels that the key-frames are fused in, m; half the size takes 8 times "
-            "the memory");
+  add_voxel(
+      command, options,
+      "Size of the voxels that the key-frames are fused in, m; half the size makes 8 times as "
+      "many");
 }
 
 void add_cell(CLI::App& command, ExportOptions& options) {

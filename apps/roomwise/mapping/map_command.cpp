@@ -433,8 +433,8 @@ void add_map_command(CLI::App& app, Context& context) {
          "key-frame's motion, once the map has 600; 0: never [combined: 0.7, paper: 0]",
          CLI::Range(0.0, 1.0));
   add_setting(*command, "--working-set", options.working_set_mb,
-              "Memory for what was measured in key-frames, MB; the others wait in a scratch "
-              "file beside the home. Changes no result");
+              "Memory for what was measured in key-frames, and then for the voxels they are fused "
+              "in, MB; the rest waits in a scratch file beside the home. Changes no result");
   how(command->add_flag("--no-bundle-adjustment", options.no_bundle_adjustment,
                         "Leave the map as the pose graph says: no landmarks, no rolling shutter "
                         "(so does --method paper)"));

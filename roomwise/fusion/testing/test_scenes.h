@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -145,7 +146,9 @@ inline TsdfVolume fuse(const Scene& scene, const std::vector<RigidTransform>& ca
   const FrameSurfaceMaker maker(camera);
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const Picture picture = render(scene, cameras[i], camera, noise_at_1m_m, i);
-    integrate_frame(field, maker.make(picture.color, picture.depth), cameras[i], pool);
+    const auto fused =
+        integrate_frame(field, maker.make(picture.color, picture.depth), cameras[i], pool);
+    if (!fused) throw std::runtime_error(fused.error().message);
   }
   return field;
 }

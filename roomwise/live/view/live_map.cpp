@@ -5,12 +5,13 @@
 
 namespace roomwise::live {
 
-geometry::PointCloud thinned(const fusion::TriangleMesh& mesh, std::size_t most) {
+Expected<geometry::PointCloud> thinned(const fusion::PiecewiseMesh& mesh, std::size_t most) {
   for (double voxel_m = 0.03;; voxel_m *= 1.25) {
     geometry::VoxelGrid grid(voxel_m);
-    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-      grid.add(mesh.vertices[i].cast<double>(), mesh.colors[i]);
-    }
+    ROOMWISE_RETURN_IF_ERROR(mesh.for_each([&](const fusion::MeshPiece& piece) {
+      for (std::size_t i = 0; i < piece.own; ++i)
+        grid.add(piece.mesh.vertices[i].cast<double>(), piece.mesh.colors[i]);
+    }));
     if (grid.size() <= most) return grid.cloud();
   }
 }
@@ -34,10 +35,10 @@ Expected<std::shared_ptr<const LiveMap>> with_clouds(const LiveMap& map, const h
   ROOMWISE_TRY(const pipeline::GravityAlignedMap fused,
                pipeline::build_gravity_aligned_map(home, {}, run));
   const auto surface_gravity = fusion::transformed(map.frame.gravity_from_world, fused.mesh_world);
+  ROOMWISE_TRY(auto fine, thinned(surface_gravity, MapClouds::kMaxFine));
+  ROOMWISE_TRY(auto coarse, thinned(surface_gravity, MapClouds::kMaxCoarse));
   auto whole = std::make_shared<LiveMap>(map);
-  whole->clouds =
-      std::make_shared<const MapClouds>(MapClouds{thinned(surface_gravity, MapClouds::kMaxFine),
-                                                  thinned(surface_gravity, MapClouds::kMaxCoarse)});
+  whole->clouds = std::make_shared<const MapClouds>(MapClouds{std::move(fine), std::move(coarse)});
   return whole;
 }
 

@@ -5,7 +5,7 @@
 
 #include "roomwise/fusion/floor_grid.h"
 #include "roomwise/fusion/gravity_aligned_frame.h"
-#include "roomwise/fusion/triangle_mesh.h"
+#include "roomwise/fusion/piecewise_mesh.h"
 #include "roomwise/geometry/point_cloud.h"
 #include "roomwise/pipeline/mapping/home_localizer.h"
 
@@ -30,8 +30,9 @@ struct LiveMap {
 };
 
 // The surface's vertices, one a voxel, in voxels large enough that there are at most so many
-// points.
-[[nodiscard]] geometry::PointCloud thinned(const fusion::TriangleMesh& mesh, std::size_t most);
+// points. Fails where the surface cannot be read.
+[[nodiscard]] Expected<geometry::PointCloud> thinned(const fusion::PiecewiseMesh& mesh,
+                                                     std::size_t most);
 
 // Without its clouds: some seconds, where the home keeps its floor. Fails where the home has no
 // map, and when the user interrupts.

@@ -20,7 +20,7 @@ fusion::TriangleMesh large_floor() {
 }
 
 TEST(LiveMapTest, ALargeSurfaceIsThinnedEvenly) {
-  const geometry::PointCloud coarse = thinned(large_floor(), MapClouds::kMaxCoarse);
+  const geometry::PointCloud coarse = thinned(large_floor(), MapClouds::kMaxCoarse).value();
   EXPECT_LE(coarse.size(), MapClouds::kMaxCoarse);
   EXPECT_GT(coarse.size(), MapClouds::kMaxCoarse / 2);
   std::map<std::pair<int, int>, int> of_square_metre;
@@ -40,7 +40,7 @@ TEST(LiveMapTest, ASmallSurfaceStaysWhatItIs) {
     mesh.vertices.emplace_back(0.1F * static_cast<float>(i) + 0.01F, 0.01F, 0.01F);
     mesh.colors.push_back({1, 2, 3});
   }
-  EXPECT_EQ(thinned(mesh, MapClouds::kMaxCoarse).size(), 10U);
+  EXPECT_EQ(thinned(mesh, MapClouds::kMaxCoarse)->size(), 10U);
 }
 
 }  // namespace

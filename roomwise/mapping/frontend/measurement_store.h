@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <functional>
 #include <list>
 #include <memory>
@@ -12,14 +11,6 @@
 #include "roomwise/mapping/frontend/keyframe.h"
 
 namespace roomwise::mapping {
-
-// How much of a map that grows stays in memory. It changes no result.
-struct WorkingSet {
-  // Of key-frames' measurements (about 0.4 MB each), bytes.
-  std::size_t max_bytes = std::size_t{128} << 20U;
-  // The others go into a scratch file on this folder's disk; empty: all stay in memory.
-  std::filesystem::path scratch_folder;
-};
 
 using SharedMeasurements = std::shared_ptr<const motion::FrameMeasurements>;
 

@@ -13,6 +13,7 @@ namespace roomwise::mapping {
 namespace {
 
 using Eigen::Vector3d;
+using VisitNormals = UpDirectionEstimator::VisitNormals;
 
 // The surface's normal at a pixel, towards the camera, from the points `reach` pixels to each side.
 // Nothing where one of them was not measured or they do not lie in one plane (edges, round things).
@@ -44,24 +45,26 @@ std::optional<Vector3d> surface_normal(const image::DepthImage& depth,
 
 // The mean of the normals within `angle_rad` of `axis`, and how many there are. A normal of the
 // opposite direction (a ceiling's) counts reversed.
-std::pair<Vector3d, std::size_t> mean_about(const std::vector<Vector3d>& normals,
-                                            const Vector3d& axis, double angle_rad) {
+std::pair<Vector3d, std::size_t> mean_about(const VisitNormals& visit, const Vector3d& axis,
+                                            double angle_rad) {
   const double min_cosine = std::cos(angle_rad);
   Vector3d sum = Vector3d::Zero();
   std::size_t count = 0;
-  for (const Vector3d& normal : normals) {
-    const double cosine = axis.dot(normal);
-    if (std::abs(cosine) < min_cosine) continue;
-    sum += cosine < 0 ? Vector3d(-normal) : normal;
-    ++count;
-  }
+  visit([&](std::span<const Vector3d> normals) {
+    for (const Vector3d& normal : normals) {
+      const double cosine = axis.dot(normal);
+      if (std::abs(cosine) < min_cosine) continue;
+      sum += cosine < 0 ? Vector3d(-normal) : normal;
+      ++count;
+    }
+  });
   return {count > 0 ? sum.normalized() : axis, count};
 }
 
 // The direction within `max_tilt_rad` of `axis` about which most normals lie, to about a cell of
-// the voting plane.
-Vector3d fullest_direction(const std::vector<Vector3d>& normals, const Vector3d& axis,
-                           double max_tilt_rad) {
+// the voting plane; and how many there are.
+std::pair<Vector3d, std::size_t> fullest_direction(const VisitNormals& visit, const Vector3d& axis,
+                                                   double max_tilt_rad) {
   // Directions n are told apart by where axis + a * u + b * v meets them.
   const Vector3d u = axis.unitOrthogonal();
   const Vector3d v = axis.cross(u);
@@ -71,13 +74,17 @@ Vector3d fullest_direction(const std::vector<Vector3d>& normals, const Vector3d&
     return static_cast<int>(std::floor((coordinate / extent + 1) / 2 * kCells));
   };
   image::Image<int> votes(kCells, kCells, 0);
-  for (const Vector3d& normal : normals) {
-    const double along = axis.dot(normal);
-    if (std::abs(along) < std::cos(max_tilt_rad)) continue;
-    const int a = cell_of(u.dot(normal) / along);
-    const int b = cell_of(v.dot(normal) / along);
-    if (votes.contains(a, b)) ++votes.at(a, b);
-  }
+  std::size_t count = 0;
+  visit([&](std::span<const Vector3d> normals) {
+    count += normals.size();
+    for (const Vector3d& normal : normals) {
+      const double along = axis.dot(normal);
+      if (std::abs(along) < std::cos(max_tilt_rad)) continue;
+      const int a = cell_of(u.dot(normal) / along);
+      const int b = cell_of(v.dot(normal) / along);
+      if (votes.contains(a, b)) ++votes.at(a, b);
+    }
+  });
 
   // A surface's normals spread over some cells: the fullest 5 x 5 cells win, the first on a tie.
   constexpr int kSpread = 2;
@@ -95,7 +102,7 @@ Vector3d fullest_direction(const std::vector<Vector3d>& normals, const Vector3d&
       fullest = (axis + centre_of(a) * u + centre_of(b) * v).normalized();
     }
   }
-  return fullest;
+  return {fullest, count};
 }
 
 // The mean of directions; nothing where they are none or do not agree.
@@ -160,6 +167,10 @@ void UpDirectionEstimator::add_camera(const geometry::RigidTransform& world_from
 }
 
 UpDirection UpDirectionEstimator::estimate() const {
+  return estimate([&](const auto& visit) { visit(normals_world_); });
+}
+
+UpDirection UpDirectionEstimator::estimate(const VisitNormals& visit_normals_world) const {
   UpDirection expected;
   if (camera_up_sum_.norm() > 0) expected.up_world = camera_up_sum_.normalized();
   if (const auto gravity = agreed_direction(gravity_world_)) {
@@ -167,16 +178,15 @@ UpDirection UpDirectionEstimator::estimate() const {
     expected.is_by_gravity = true;
   }
 
-  Vector3d up = fullest_direction(normals_world_, expected.up_world, options_.max_tilt_rad);
+  auto [up, count] =
+      fullest_direction(visit_normals_world, expected.up_world, options_.max_tilt_rad);
   std::size_t inliers = 0;
   // The first mean is about the centre of a cell; a few more about the mean itself settle it.
   constexpr int kRefinements = 5;
   for (int i = 0; i < kRefinements; ++i) {
-    std::tie(up, inliers) = mean_about(normals_world_, up, options_.inlier_angle_rad);
+    std::tie(up, inliers) = mean_about(visit_normals_world, up, options_.inlier_angle_rad);
   }
-  const double support = normals_world_.empty() ? 0
-                                                : static_cast<double>(inliers) /
-                                                      static_cast<double>(normals_world_.size());
+  const double support = count == 0 ? 0 : static_cast<double>(inliers) / static_cast<double>(count);
   if (inliers < static_cast<std::size_t>(options_.min_inliers) || support < options_.min_support) {
     return expected;
   }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "roomwise/base/expected.h"
@@ -58,6 +60,11 @@ class UpDirectionEstimator {
   void add_camera(const geometry::RigidTransform& world_from_camera);
   void add_normal(const Eigen::Vector3d& normal_world) { normals_world_.push_back(normal_world); }
   [[nodiscard]] UpDirection estimate() const;
+  // The same of normals that are not kept: calls back with all of them, some at a time, each time
+  // in the same order. It is asked several times.
+  using VisitNormals =
+      std::function<void(const std::function<void(std::span<const Eigen::Vector3d>)>&)>;
+  [[nodiscard]] UpDirection estimate(const VisitNormals& visit_normals_world) const;
 
  private:
   UpDirectionOptions options_;

@@ -1,6 +1,10 @@
 #include "roomwise/pipeline/mapping/dense_map.h"
 
+#include <unistd.h>
+
+#include <filesystem>
 #include <map>
+#include <utility>
 
 #include "roomwise/fusion/frame_fusion.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
@@ -68,13 +72,19 @@ Expected<void> DenseMap::follow(const home::Home& home, std::span<const home::Ke
       });
 }
 
+WorkingSet dense_working_set(const home::Home& home, const RunContext& run) {
+  std::filesystem::path folder = std::filesystem::absolute(home.file()).parent_path();
+  if (access(folder.c_str(), W_OK) != 0) folder = std::filesystem::temp_directory_path();
+  return {run.working_set_bytes, std::move(folder)};
+}
+
 Expected<DenseMap> build_dense_map(const home::Home& home,
                                    std::span<const home::Keyframe> keyframes,
                                    const fusion::TsdfOptions& field, RunContext& run) {
   fusion::MapFusionOptions options;
   options.field = field;
   ROOMWISE_RETURN_IF_ERROR(options.validate());
-  DenseMap map(options);
+  DenseMap map(options, dense_working_set(home, run));
   ROOMWISE_RETURN_IF_ERROR(map.follow(home, keyframes, run));
   return map;
 }

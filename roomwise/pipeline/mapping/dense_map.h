@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "roomwise/fusion/map_fusion.h"
@@ -14,9 +15,9 @@ namespace roomwise::pipeline {
 class DenseMap {
  public:
   // The options must be valid.
-  explicit DenseMap(const fusion::MapFusionOptions& options,
+  explicit DenseMap(const fusion::MapFusionOptions& options, WorkingSet working_set = {},
                     const fusion::SurfaceOptions& surface = {})
-      : fusion_(options), surface_(surface) {}
+      : fusion_(options, std::move(working_set)), surface_(surface) {}
 
   // Fuses these key-frames at the poses given with them. Those that are fused already follow where
   // their poses moved, and those that are not among them are taken out; the home must still have
@@ -25,6 +26,7 @@ class DenseMap {
                                       std::span<const home::Keyframe> keyframes, RunContext& run);
 
   [[nodiscard]] const fusion::TsdfVolume& field() const { return fusion_.field(); }
+  [[nodiscard]] fusion::TsdfVolume& field() { return fusion_.field(); }
   [[nodiscard]] const fusion::FramePoses& fused() const { return fusion_.fused(); }
 
  private:
@@ -32,7 +34,12 @@ class DenseMap {
   fusion::SurfaceOptions surface_;
 };
 
-// These key-frames, fused at the poses given with them.
+// What of a home's dense map stays in memory: voxels, and as much of its surface. The rest waits in
+// a scratch file beside the home or, where its folder cannot be written, in the folder for
+// temporary files.
+[[nodiscard]] WorkingSet dense_working_set(const home::Home& home, const RunContext& run);
+
+// These key-frames, fused at the poses given with them, with that working set.
 [[nodiscard]] Expected<DenseMap> build_dense_map(const home::Home& home,
                                                  std::span<const home::Keyframe> keyframes,
                                                  const fusion::TsdfOptions& field, RunContext& run);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -24,15 +25,18 @@ Expected<std::vector<fusion::CameraPath>> walked_paths(const home::Home& home,
 }
 
 // The storeys with their places on the plan; one where the walks show no more.
-fusion::Storeys storeys_of(const fusion::TriangleMesh& mesh_gravity, fusion::StoreysFound found) {
-  if (found.floors_m.size() < 2) return {};
+Expected<fusion::Storeys> storeys_of(const fusion::PiecewiseMesh& mesh_gravity,
+                                     fusion::StoreysFound found) {
+  if (found.floors_m.size() < 2) return fusion::Storeys();
   constexpr double kSame_m = 0.1;  // the floor of the frame is one of them
   if (std::abs(found.floors_m.front()) < kSame_m) found.floors_m.front() = 0;
-  float from_x = mesh_gravity.vertices.front().x(), to_x = from_x;
-  for (const Eigen::Vector3f& vertex : mesh_gravity.vertices) {
-    from_x = std::min(from_x, vertex.x());
-    to_x = std::max(to_x, vertex.x());
-  }
+  float from_x = std::numeric_limits<float>::infinity(), to_x = -from_x;
+  ROOMWISE_RETURN_IF_ERROR(mesh_gravity.for_each([&](const fusion::MeshPiece& piece) {
+    for (const Eigen::Vector3f& vertex : piece.own_vertices()) {
+      from_x = std::min(from_x, vertex.x());
+      to_x = std::max(to_x, vertex.x());
+    }
+  }));
   // Whole metres, which all usual cells divide, and two of them between storeys.
   const double apart_m = std::ceil(static_cast<double>(to_x - from_x)) + 2;
   std::vector<fusion::Storey> storeys;
@@ -83,7 +87,8 @@ Expected<GravityAlignedMap> build_gravity_aligned_map(const home::Home& home,
     return fail("{}: the home has no map yet; make one with roomwise map", home.file());
   }
   ROOMWISE_TRY(DenseMap dense, build_dense_map(home, keyframes, field, run));
-  fusion::TriangleMesh mesh = extract_mesh(dense.field(), fusion::MeshOptions{}, run.pool);
+  ROOMWISE_TRY(fusion::PiecewiseMesh mesh,
+               extract_mesh(dense.field(), fusion::MeshOptions{}, run.pool));
   ROOMWISE_RETURN_IF_ERROR(run.progress.check("the surface was extracted"));
   std::vector<geometry::RigidTransform> cameras;
   for (const home::Keyframe& keyframe : keyframes) {
@@ -92,13 +97,15 @@ Expected<GravityAlignedMap> build_gravity_aligned_map(const home::Home& home,
   ROOMWISE_TRY(const auto felt, stored_gravity(home, keyframes));
   std::vector<Eigen::Vector3d> gravity;
   for (const auto& [id, up_world] : felt) gravity.push_back(up_world);
-  fusion::GravityAlignedFrame frame = fusion::find_gravity_aligned_frame(mesh, cameras, gravity);
+  ROOMWISE_TRY(fusion::GravityAlignedFrame frame,
+               fusion::find_gravity_aligned_frame(mesh, cameras, gravity));
+  ROOMWISE_RETURN_IF_ERROR(run.progress.check("the floor was found"));
   if (frame.has_floor) {
     ROOMWISE_TRY(const auto paths, walked_paths(home, frame));
-    const fusion::TriangleMesh mesh_gravity = fusion::transformed(frame.gravity_from_world, mesh);
-    fusion::StoreysFound found = fusion::find_storeys(mesh_gravity, paths);
+    const auto mesh_gravity = fusion::transformed(frame.gravity_from_world, mesh);
+    ROOMWISE_TRY(fusion::StoreysFound found, fusion::find_storeys(mesh_gravity, paths));
     frame.gravity_from_world.translation.z() -= fusion::only_level_m(found);
-    frame.storeys = storeys_of(mesh_gravity, std::move(found));
+    ROOMWISE_TRY(frame.storeys, storeys_of(mesh_gravity, std::move(found)));
   }
   return GravityAlignedMap{std::move(dense), std::move(mesh), frame};
 }
@@ -114,14 +121,14 @@ Expected<void> validate_cell(double cell_m, double voxel_size_m) {
       cell_m, voxel_size_m, min_m, max_m);
 }
 
-Expected<std::vector<fusion::OccupancyCell>> occupancy_of(const GravityAlignedMap& map,
-                                                          double cell_m, RunContext& run) {
+Expected<std::vector<fusion::OccupancyCell>> occupancy_of(GravityAlignedMap& map, double cell_m,
+                                                          RunContext& run) {
   ROOMWISE_RETURN_IF_ERROR(validate_cell(cell_m, map.dense.field().voxel_size_m()));
   return fusion::occupancy_cells(map.dense.field(), map.mesh_world, map.frame.gravity_from_world,
                                  cell_m, run.pool);
 }
 
-Expected<std::vector<fusion::FloorGrid>> floor_grids_of(const GravityAlignedMap& map,
+Expected<std::vector<fusion::FloorGrid>> floor_grids_of(GravityAlignedMap& map,
                                                         const fusion::FloorGridOptions& options,
                                                         RunContext& run) {
   ROOMWISE_RETURN_IF_ERROR(options.validate());
@@ -133,17 +140,19 @@ Expected<std::vector<fusion::FloorGrid>> floor_grids_of(const GravityAlignedMap&
   for (std::size_t i = 0; i < map.frame.storeys.count(); ++i) {
     geometry::RigidTransform storey_from_world = map.frame.gravity_from_world;
     storey_from_world.translation.z() -= map.frame.storeys.floor_m(i);
-    const auto cells = fusion::occupancy_cells(map.dense.field(), map.mesh_world, storey_from_world,
-                                               options.cell_m, run.pool);
-    ROOMWISE_TRY(fusion::FloorGrid grid,
-                 fusion::make_floor_grid(fusion::transformed(storey_from_world, map.mesh_world),
-                                         cells, options));
+    const auto visit_free_cells = [&](const auto& visit) {
+      return fusion::visit_free_cells(map.dense.field(), storey_from_world, options.cell_m,
+                                      run.pool, visit);
+    };
+    ROOMWISE_TRY(fusion::FloorGrid grid, fusion::make_floor_grid(map.mesh_world, storey_from_world,
+                                                                 visit_free_cells, options));
+    ROOMWISE_RETURN_IF_ERROR(run.progress.check("a floor was drawn"));
     grids.push_back(std::move(grid));
   }
   return grids;
 }
 
-Expected<fusion::FloorGrid> floor_grid_of(const GravityAlignedMap& map,
+Expected<fusion::FloorGrid> floor_grid_of(GravityAlignedMap& map,
                                           const fusion::FloorGridOptions& options,
                                           RunContext& run) {
   ROOMWISE_TRY(auto grids, floor_grids_of(map, options, run));

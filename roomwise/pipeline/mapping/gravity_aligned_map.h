@@ -10,7 +10,7 @@ namespace roomwise::pipeline {
 // The largest component of a home's map, fused, with its surface and which way is up.
 struct GravityAlignedMap {
   DenseMap dense;
-  fusion::TriangleMesh mesh_world;
+  fusion::PiecewiseMesh mesh_world;
   fusion::GravityAlignedFrame frame;
 };
 // Fails where the home has no map, and when the user interrupts.
@@ -21,14 +21,15 @@ struct GravityAlignedMap {
 // walls, of larger ones the distance field does not say whether they are empty. To be asked before
 // the map is built.
 [[nodiscard]] Expected<void> validate_cell(double cell_m, double voxel_size_m);
-[[nodiscard]] Expected<std::vector<fusion::OccupancyCell>> occupancy_of(
-    const GravityAlignedMap& map, double cell_m, RunContext& run);
+[[nodiscard]] Expected<std::vector<fusion::OccupancyCell>> occupancy_of(GravityAlignedMap& map,
+                                                                        double cell_m,
+                                                                        RunContext& run);
 // The floor of each storey, from the lowest on, all in the gravity-aligned frame's x and y. Fails
 // where the map shows no floor.
 [[nodiscard]] Expected<std::vector<fusion::FloorGrid>> floor_grids_of(
-    const GravityAlignedMap& map, const fusion::FloorGridOptions& options, RunContext& run);
+    GravityAlignedMap& map, const fusion::FloorGridOptions& options, RunContext& run);
 // The same as one, of several storeys on the plan (see Storeys).
-[[nodiscard]] Expected<fusion::FloorGrid> floor_grid_of(const GravityAlignedMap& map,
+[[nodiscard]] Expected<fusion::FloorGrid> floor_grid_of(GravityAlignedMap& map,
                                                         const fusion::FloorGridOptions& options,
                                                         RunContext& run);
 

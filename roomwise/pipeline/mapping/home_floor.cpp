@@ -149,14 +149,14 @@ std::optional<HomeFloor> from_bytes(const Bytes& bytes) {
 }
 
 Expected<HomeFloor> build_home_floor(const home::Home& home, RunContext& run) {
-  ROOMWISE_TRY(const GravityAlignedMap map,
+  ROOMWISE_TRY(GravityAlignedMap map,
                build_gravity_aligned_map(home, {.keeps_colors = false}, run));
   return floor_of(map, run);
 }
 
 }  // namespace
 
-Expected<HomeFloor> floor_of(const GravityAlignedMap& map, RunContext& run) {
+Expected<HomeFloor> floor_of(GravityAlignedMap& map, RunContext& run) {
   HomeFloor floor{map.frame, std::nullopt};
   if (map.frame.has_floor) {
     ROOMWISE_TRY(floor.grid, floor_grid_of(map, {}, run));

@@ -18,7 +18,7 @@ struct HomeFloor {
 };
 
 // That of a fused map.
-[[nodiscard]] Expected<HomeFloor> floor_of(const GravityAlignedMap& map, RunContext& run);
+[[nodiscard]] Expected<HomeFloor> floor_of(GravityAlignedMap& map, RunContext& run);
 
 // With what was walked over (with_walked_ways()). As the home keeps it, or, where that is not
 // there, cannot be read, or the map has changed since, from the map, which is fused for it: up to a

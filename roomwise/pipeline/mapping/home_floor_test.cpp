@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "roomwise/base/testing/testing.h"
@@ -18,10 +19,12 @@ class CountFused final : public Progress {
   void begin(std::string_view work, std::optional<std::uint64_t>) override {
     if (work == "fusing the map") ++times;
   }
-  void advance(std::uint64_t, std::string_view) override {}
+  void advance(std::uint64_t, std::string_view) override { ++steps; }
   void end() override {}
+  [[nodiscard]] bool interrupted() const override { return steps >= stop_at; }
 
   int times = 0;
+  int steps = 0, stop_at = std::numeric_limits<int>::max();
 };
 
 class HomeFloorTest : public testing::MappedRoom {
@@ -42,7 +45,7 @@ TEST_F(HomeFloorTest, ThatIsKeptIsThereAtOnce) {
   const auto floor = find_home_floor(*home_, run_);
   ASSERT_OK(floor);
   EXPECT_EQ(fused_.times, 0);
-  const auto map = build_gravity_aligned_map(*home_, {}, run_);
+  auto map = build_gravity_aligned_map(*home_, {}, run_);
   ASSERT_OK(map);
   const auto fresh = floor_of(*map, run_);
   ASSERT_OK(fresh);
@@ -59,6 +62,27 @@ TEST_F(HomeFloorTest, ThatIsKeptIsThereAtOnce) {
     for (int column = 0; column < floor->grid->columns(); ++column)
       ASSERT_EQ(floor->grid->at(column, row), fresh->grid->at(column, row));
   }
+}
+
+TEST_F(HomeFloorTest, IsTheSameToTheBitInHardlyAnyMemory) {
+  const home::DerivedData kept = home_->derived_data("floor").value().value();
+  ASSERT_OK(home_->put_derived_data({"floor", "", {}}));
+  run_.working_set_bytes = 1;
+  ASSERT_OK(keep_home_floor(*home_, run_));
+  EXPECT_EQ(fused_.times, 1);
+  EXPECT_EQ(home_->derived_data("floor")->value().data, kept.data);
+}
+
+TEST_F(HomeFloorTest, ThatIsInterruptedLeavesNothing) {
+  ASSERT_OK(home_->put_derived_data({"floor", "", {}}));
+  run_.working_set_bytes = 1;
+  fused_.stop_at = fused_.steps + 5;
+  const auto outcome = keep_home_floor(*home_, run_);
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().code, ErrorCode::kInterrupted);
+  EXPECT_TRUE(home_->derived_data("floor")->value().data.empty());
+  for (const auto& file : std::filesystem::directory_iterator(folder_.path()))
+    EXPECT_TRUE(file.path().string().find("scratch") == std::string::npos) << file.path();
 }
 
 TEST_F(HomeFloorTest, IsMadeAnewOnceTheMapHasMoved) {
