@@ -35,6 +35,8 @@ void Grounds::measure(std::span<const KeyframeId> ids, std::span<const KeyframeI
         estimator.add_normal(pose.rotation * normal.cast<double>());
     }
     const UpDirection up = estimator.estimate();
+    const auto felt_at = static_cast<double>(
+        std::ranges::count_if(places, [&](std::size_t i) { return gravity_.contains(ids[i]); }));
     for (const std::size_t i : places) {
       const auto [one, is_new] = measured_.try_emplace(ids[i]);
       if (!is_new && !std::ranges::binary_search(own, ids[i])) continue;
@@ -44,20 +46,24 @@ void Grounds::measure(std::span<const KeyframeId> ids, std::span<const KeyframeI
                                  world_from_keyframe[ids[i]].rotation.conjugate() * up.up_world,
                                  *turning_rad_s[ids[i]], options_);
       }
-      add_felt(ids[i], one->second);
+      add_felt(ids[i], one->second, felt_at);
     }
   }
 }
 
-void Grounds::add_felt(KeyframeId id, std::optional<UpMeasurement>& level) {
+void Grounds::add_felt(KeyframeId id, std::optional<UpMeasurement>& level, double felt_at) {
   contradicted_.erase(id);
   const auto gravity = gravity_.find(id);
   if (gravity == gravity_.end()) return;
-  const UpMeasurement felt = felt_up(gravity->second);
+  UpMeasurement felt = felt_up(gravity->second);
+  if (level && contradict(*level, felt)) {
+    contradicted_.insert(id);
+    return;
+  }
+  // The sensor errs alike at all of them, which are no surer together than one.
+  felt.information /= felt_at;
   if (!level) {
     level = felt;
-  } else if (contradict(*level, felt)) {
-    contradicted_.insert(id);
   } else {
     level = together(*level, felt);
   }

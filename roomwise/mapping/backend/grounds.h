@@ -52,8 +52,8 @@ class Grounds {
       double kernel_sigmas) const;
 
  private:
-  // To what surfaces say of a key-frame.
-  void add_felt(KeyframeId id, std::optional<UpMeasurement>& level);
+  // To what surfaces say of a key-frame; so many key-frames of its component feel gravity.
+  void add_felt(KeyframeId id, std::optional<UpMeasurement>& level, double felt_at);
 
   UpMeasurementOptions options_;
   std::span<const std::size_t> component_;

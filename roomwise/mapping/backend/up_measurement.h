@@ -21,8 +21,8 @@ struct UpMeasurementOptions {
   [[nodiscard]] Expected<void> validate() const;
 };
 
-// Which way is up, by the surfaces that one key-frame sees: floors, tables and ceilings face up or
-// down, walls stand along it.
+// Which way is up, by the surfaces that one key-frame sees (floors, tables and ceilings face up or
+// down, walls stand along it), or as its device's accelerometer felt it.
 struct UpMeasurement {
   Eigen::Vector3d up_camera = -Eigen::Vector3d::UnitY();  // unit length
   // Inverse covariance of small turns about the camera's axes, rad^-2; none about up.

@@ -19,6 +19,8 @@ constexpr double kOutOfStep_s = 0.028;
 constexpr double kLeastSigma_rad = 0.001;
 // What pictures err by although they are sure.
 constexpr double kPicturesSigma_rad = 0.01;
+// Longer ago somebody may have turned to anywhere.
+constexpr double kLongestLesson_s = 1;
 // e^T Omega e with three degrees of freedom is above this once in a thousand times.
 constexpr double kContradiction = 16.3;
 
@@ -38,9 +40,10 @@ std::optional<MeasuredTurn> Gyroscope::turn(TimestampNs from_ns, TimestampNs to_
 
 void Gyroscope::learn(TimestampNs from_ns, TimestampNs to_ns, const Quaterniond& shown) {
   const double duration_s = seconds_between(from_ns, to_ns);
-  const auto expected = turn(from_ns, to_ns);
-  if (!expected || !(duration_s > 0)) return;
+  if (!(duration_s > 0) || duration_s > kLongestLesson_s) return;
   bias_sigma_rad_s_ = std::hypot(bias_sigma_rad_s_, kBiasWalk_rad_s * std::sqrt(duration_s));
+  const auto expected = turn(from_ns, to_ns);
+  if (!expected) return;
   // What it turned too far, in the frame at the end: about that at the beginning, the turns between
   // two pictures being small.
   const Vector3d excess_rad =

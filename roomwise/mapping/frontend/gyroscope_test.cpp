@@ -54,6 +54,14 @@ TEST(Gyroscope, TurnsThatCannotBeTeachNothing) {
   EXPECT_EQ(gyroscope.bias_rad_s(), Vector3d::Zero());
 }
 
+TEST(Gyroscope, ALongPauseOfThePicturesTeachesNothing) {
+  Gyroscope gyroscope(biased_track());
+  const double before = gyroscope.bias_sigma_rad_s();
+  gyroscope.learn(0, 25 * TimestampNs{1'000'000'000}, truth(gyroscope, 0, 25'000'000'000));
+  EXPECT_EQ(gyroscope.bias_rad_s(), Vector3d::Zero());
+  EXPECT_EQ(gyroscope.bias_sigma_rad_s(), before);
+}
+
 TEST(Gyroscope, IsTheLessSureTheLongerAndTheFurtherItTurns) {
   const Gyroscope gyroscope(biased_track());
   const auto sigma = [&](double from_s, double to_s) {

@@ -38,6 +38,12 @@ std::optional<RigidTransform> KeyframeGraph::between(KeyframeId from, KeyframeId
   return std::nullopt;
 }
 
+std::optional<KeyframeId> KeyframeGraph::tracked_from(KeyframeId keyframe) const {
+  if (keyframe >= edges_of_.size() || edges_of_[keyframe].empty()) return std::nullopt;
+  const PoseGraphEdge& first = edges_[edges_of_[keyframe].front()];
+  return first.from == keyframe ? first.to : first.from;
+}
+
 std::vector<KeyframeGraph::Nearby> KeyframeGraph::around(KeyframeId keyframe) const {
   std::vector<Nearby> around;
   std::set<KeyframeId> known{keyframe};

@@ -18,6 +18,10 @@ class KeyframeGraph {
   [[nodiscard]] std::optional<geometry::RigidTransform> between(KeyframeId from,
                                                                 KeyframeId to) const;
 
+  // The key-frame to which the first edge of this one leads, which is the one that it was tracked
+  // from.
+  [[nodiscard]] std::optional<KeyframeId> tracked_from(KeyframeId keyframe) const;
+
   struct Nearby {
     KeyframeId id = 0;
     geometry::RigidTransform keyframe_from_nearby;

@@ -45,6 +45,16 @@ TEST(KeyframeGraph, TheFirstEdgeBetweenTwoIsTheWay) {
   EXPECT_THAT(ids_around(graph, 0), ElementsAre(1));
 }
 
+TEST(KeyframeGraph, AKeyframeWasTrackedFromWhereItsFirstEdgeLeads) {
+  KeyframeGraph graph;
+  graph.add({0, 1, {}});
+  graph.add({1, 2, {}});
+  graph.add({0, 2, {}});
+  EXPECT_EQ(graph.tracked_from(2), 1U);
+  EXPECT_EQ(graph.tracked_from(1), 0U);
+  EXPECT_FALSE(graph.tracked_from(3));
+}
+
 TEST(KeyframeGraph, FindsWhatOneOrTwoEdgesAway) {
   KeyframeGraph graph;
   for (KeyframeId id = 0; id < 6; ++id) graph.add(edge(id, id + 1, right_m(1)));

@@ -125,6 +125,11 @@ class Mapper {
     KeyframeId keyframe = 0;
     motion::PosePrior in_keyframe;
   };
+  // The camera when pictures last placed it, relative to that of the newest frame.
+  struct SeenCamera {
+    TimestampNs timestamp_ns = 0;
+    geometry::RigidTransform newest_from_seen;
+  };
   struct MarkedKeyframe {
     KeyframeId id = 0;
     DeviceMark mark;
@@ -137,12 +142,11 @@ class Mapper {
   // Of a frame, by the inertial sensor.
   [[nodiscard]] std::optional<scene::FrameMotion> felt_motion(TimestampNs timestamp_ns) const;
   void learn_bias();
-  // How the camera went from one frame to the next.
+  void follow_seen();
+  // How the camera went from one frame to the next; nothing where the walk did not lead from the
+  // key-frame of one to that of the other.
   [[nodiscard]] std::optional<geometry::RigidTransform> step(const Frame& from,
                                                              const Frame& to) const;
-  // The last frame before the newest that pictures placed, relative to the reference; nothing where
-  // no edges lead there.
-  [[nodiscard]] std::optional<StampedMotion> last_seen() const;
   // predict_pose(), turned as the inertial sensor says since pictures last placed a frame; nothing
   // where that is long ago.
   [[nodiscard]] std::optional<motion::PosePrior> predict_turned_pose() const;
@@ -235,6 +239,7 @@ class Mapper {
   std::optional<MarkedKeyframe> marked_keyframe_;  // the newest one
   std::optional<DeviceAnchor> anchor_;
   std::optional<Gyroscope> gyroscope_;  // and accelerometer
+  std::optional<SeenCamera> seen_;      // with a gyroscope
   AppearanceIndex index_;  // of all key-frames, where the method looks for similar ones
 };
 

@@ -96,41 +96,39 @@ void Mapper::learn_bias() {
     gyroscope_->learn(from.timestamp_ns, to.timestamp_ns, shown->rotation);
 }
 
+void Mapper::follow_seen() {
+  const Frame& newest = frames_.back();
+  if (is_seen(newest)) {
+    seen_ = SeenCamera{newest.timestamp_ns, geometry::RigidTransform::identity()};
+    return;
+  }
+  const auto back = frames_.size() > 1 ? step(newest, frames_[frames_.size() - 2]) : std::nullopt;
+  if (!back) seen_.reset();
+  if (seen_) seen_->newest_from_seen = *back * seen_->newest_from_seen;
+}
+
 std::optional<geometry::RigidTransform> Mapper::step(const Frame& from, const Frame& to) const {
   if (!from.place || !to.place) return std::nullopt;
   const geometry::RigidTransform camera_from_keyframe = from.place->keyframe_from_camera.inverse();
-  if (from.place->keyframe == to.place->keyframe)
-    return camera_from_keyframe * to.place->keyframe_from_camera;
-  const auto way = graph_.between(from.place->keyframe, to.place->keyframe);
-  if (!way) return std::nullopt;
-  return camera_from_keyframe * *way * to.place->keyframe_from_camera;
-}
-
-std::optional<StampedMotion> Mapper::last_seen() const {
-  if (frames_.size() < 2) return std::nullopt;
-  std::size_t i = frames_.size() - 2;
-  auto pose = pose_in_reference(frames_[i]);
-  while (pose && !is_seen(frames_[i])) {
-    const auto back = i > 0 ? step(frames_[i], frames_[i - 1]) : std::nullopt;
-    if (!back) return std::nullopt;
-    --i;
-    pose = StampedMotion{pose->keyframe_from_camera * *back, frames_[i].timestamp_ns};
-  }
-  return pose;
+  const KeyframeId start = from.place->keyframe, end = to.place->keyframe;
+  if (start == end) return camera_from_keyframe * to.place->keyframe_from_camera;
+  // Edges that were found later are not there yet for who maps without a break.
+  if (graph_.tracked_from(end) != start && graph_.tracked_from(start) != end) return std::nullopt;
+  return camera_from_keyframe * *graph_.between(start, end) * to.place->keyframe_from_camera;
 }
 
 std::optional<motion::PosePrior> Mapper::predict_turned_pose() const {
-  if (!gyroscope_ || !frames_.back().motion) return std::nullopt;
-  const auto seen = last_seen();
-  const auto by_walk = predict_pose();
-  if (!seen || !by_walk) return std::nullopt;
+  if (!gyroscope_ || !seen_ || frames_.size() < 2 || !frames_.back().motion) return std::nullopt;
   const TimestampNs now_ns = frames_.back().timestamp_ns;
-  const double since_s = seconds_between(seen->timestamp_ns, now_ns);
-  const auto turn = gyroscope_->turn(seen->timestamp_ns, now_ns);
-  if (!turn || since_s > kLongestByTurn_s) return std::nullopt;
+  const double since_s = seconds_between(seen_->timestamp_ns, now_ns);
+  const auto turn = gyroscope_->turn(seen_->timestamp_ns, now_ns);
+  const auto before = pose_in_reference(frames_[frames_.size() - 2]);
+  const auto by_walk = predict_pose();
+  if (!turn || since_s > kLongestByTurn_s || !before || !by_walk) return std::nullopt;
+  const Eigen::Quaterniond rotation =
+      before->keyframe_from_camera.rotation * seen_->newest_from_seen.rotation * turn->from_from_to;
   const auto turned = [&](const geometry::RigidTransform& pose) {
-    return geometry::RigidTransform{seen->keyframe_from_camera.rotation * turn->from_from_to,
-                                    pose.translation};
+    return geometry::RigidTransform{rotation, pose.translation};
   };
   // Where the walk goes is known from two frames.
   const double sigma_m = (by_walk->other_start ? 1 : 2) * walk_sigma_m(since_s);
@@ -156,11 +154,14 @@ motion::MotionOutcome Mapper::track_by_turn(const motion::FrameMeasurements& ref
     if (contradicts_turn(outcome, prior)) frames_.back().motion->use = MotionUse::kDropped;
     return outcome;
   }
+  // Pictures leave it open where it is: a guess, as where nothing is seen.
+  if (expected.found() || by_walk.found()) frames_.back().motion->use = MotionUse::kAlone;
   return expected.found() ? expected : by_walk;
 }
 
 void Mapper::take_device_motion(const Frame& frame) {
   if (gyroscope_) {
+    follow_seen();
     learn_bias();
     return;
   }

@@ -525,6 +525,28 @@ TEST_F(InertialMapperTest, TurnsCarryItThroughAShortDarkness) {
   }
 }
 
+TEST_F(InertialMapperTest, ReleasedFramesMakeNoDifference) {
+  Mapper keeps(kCamera, {}), releases(kCamera, {});
+  keeps.feel(felt());
+  releases.feel(felt());
+  for (int frame = 0; frame < 30; ++frame) {
+    const Shows shows = frame >= 12 && frame < 22 ? Shows::kNothing : Shows::kAll;
+    add(keeps, frame, shows, std::nullopt);
+    add(releases, frame, shows, std::nullopt);
+    releases.release_frames(0);
+  }
+  expect_all_placed(keeps);
+  expect_same_edges(releases, keeps);
+  EXPECT_LT(releases.frames().size(), 8U);
+  for (std::size_t back = 1; back <= releases.frames().size(); ++back) {
+    const Frame& one = releases.frames()[releases.frames().size() - back];
+    const Frame& same = keeps.frames()[keeps.frames().size() - back];
+    ASSERT_TRUE(one.place);
+    EXPECT_EQ(one.place->keyframe_from_camera.translation,
+              same.place->keyframe_from_camera.translation);
+  }
+}
+
 TEST_F(InertialMapperTest, ButNotThroughALongOne) {
   Mapper mapper(kCamera, {});
   mapper.feel(felt());

@@ -345,7 +345,7 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
                KeyframeObserver::create(home, networks, finders.in_pictures, run));
 
   MapSummary summary;
-  summary.is_by_inertial_sensor = !inertial.empty() && settings.mapper.takes_device_motion();
+  summary.is_by_inertial_sensor = inertial.tells_turns() && settings.mapper.takes_device_motion();
   const auto is_error = [](const Expected<void>& outcome) {
     return !outcome && outcome.error().code != ErrorCode::kInterrupted;
   };

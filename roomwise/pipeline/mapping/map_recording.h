@@ -19,12 +19,12 @@ struct MapSummary {
   std::uint64_t frames = 0;
   std::uint64_t placed = 0;              // frames that have a pose in the map's largest component
   std::uint64_t with_device_motion = 0;  // frames whose device tells its own motion
-  std::uint64_t motion_dropped = 0;      // of these, those to which it jumped
+  std::uint64_t motion_dropped = 0;      // of these, those where pictures contradict it
   std::uint64_t motion_alone = 0;        // of these, those that are placed by it alone
   std::uint64_t felt_up = 0;             // frames at which the device feels gravity
   // Of all walks' key-frames, those at which it was dropped: what is level contradicts it.
   std::uint64_t contradicted_gravity = 0;
-  bool is_by_inertial_sensor = false;  // the device's motion is its turns alone
+  bool is_by_inertial_sensor = false;  // the device's motion is a gyroscope's turns
   std::uint64_t keyframes = 0;         // of this walk
   std::uint64_t edges = 0;             // of the pose graph, all walks' together
   std::uint64_t loops = 0;  // returns to a place that was left: edges over more than ten key-frames
