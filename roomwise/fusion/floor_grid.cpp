@@ -149,6 +149,9 @@ Expected<void> FloorGridOptions::validate() const {
     return fail("person_height_m is {}; expected more than {}, and than a step and a cell",
                 person_height_m, kLow_m);
   }
+  if (!(person_height_m <= 10)) {
+    return fail("person_height_m is {}; expected at most 10", person_height_m);
+  }
   if (!(min_empty > 0 && min_empty <= 1)) {
     return fail("min_empty is {}; expected more than 0, at most 1", min_empty);
   }

@@ -151,6 +151,7 @@ TEST(FloorGrid, NeedsSomethingToBeSeen) {
   EXPECT_ERROR(make_floor_grid({}, {}, nothing), "nothing was seen");
   EXPECT_ERROR(make_floor_grid({}, {}, nothing, {.cell_m = 0}), "cell_m");
   EXPECT_ERROR(FloorGridOptions{.person_height_m = 0.3}.validate(), "person_height_m");
+  EXPECT_ERROR(FloorGridOptions{.person_height_m = 1e6}.validate(), "at most 10");
   EXPECT_ERROR(FloorGridOptions{.step_m = 0}.validate(), "step_m");
   EXPECT_ERROR(FloorGridOptions{.min_empty = 2}.validate(), "min_empty");
 }

@@ -66,7 +66,8 @@ Expected<void> visit_free_cells(TsdfVolume& field, const RigidTransform& gravity
                                 const std::function<void(std::span<const Vector3i>)>& visit) {
   const std::vector<Vector3i> blocks = field.blocks();
   constexpr std::size_t kBlocksATask = 512;
-  const std::size_t blocks_a_round = kBlocksATask * pool.size();
+  constexpr std::size_t kMostTasks = 8;  // at once: all their blocks are in memory
+  const std::size_t blocks_a_round = kBlocksATask * std::min<std::size_t>(pool.size(), kMostTasks);
   for (std::size_t first = 0; first < blocks.size(); first += blocks_a_round) {
     const std::size_t count = std::min(blocks_a_round, blocks.size() - first);
     const auto round = std::span(blocks).subspan(first, count);

@@ -403,7 +403,9 @@ Expected<PiecewiseMesh> extract_mesh(TsdfVolume& field, const MeshOptions& optio
   MeshJoiner joiner(field.working_set());
   // Blocks' surfaces wait to be joined in the order of the blocks, not all at once.
   constexpr std::size_t kBlocksATask = 128;
-  const std::size_t blocks_a_round = kBlocksATask * 4 * pool.size();
+  constexpr std::size_t kMostTasks = 8;  // at once: all their blocks are in memory
+  const std::size_t blocks_a_round =
+      kBlocksATask * 4 * std::min<std::size_t>(pool.size(), kMostTasks);
   for (std::size_t first = 0; first < blocks.size(); first += blocks_a_round) {
     const std::size_t count = std::min(blocks_a_round, blocks.size() - first);
     ROOMWISE_RETURN_IF_ERROR(field.bring_around(std::span(blocks).subspan(first, count)));

@@ -9,7 +9,7 @@ Expected<geometry::PointCloud> thinned(const fusion::PiecewiseMesh& mesh, std::s
   for (double voxel_m = 0.03;; voxel_m *= 1.25) {
     geometry::VoxelGrid grid(voxel_m);
     ROOMWISE_RETURN_IF_ERROR(mesh.for_each([&](const fusion::MeshPiece& piece) {
-      for (std::size_t i = 0; i < piece.own; ++i)
+      for (std::size_t i = 0; i < piece.own && grid.size() <= most; ++i)
         grid.add(piece.mesh.vertices[i].cast<double>(), piece.mesh.colors[i]);
     }));
     if (grid.size() <= most) return grid.cloud();

@@ -74,7 +74,8 @@ Expected<void> DenseMap::follow(const home::Home& home, std::span<const home::Ke
 
 WorkingSet dense_working_set(const home::Home& home, const RunContext& run) {
   std::filesystem::path folder = std::filesystem::absolute(home.file()).parent_path();
-  if (access(folder.c_str(), W_OK) != 0) folder = std::filesystem::temp_directory_path();
+  std::error_code none;  // then all stays in memory
+  if (access(folder.c_str(), W_OK) != 0) folder = std::filesystem::temp_directory_path(none);
   return {run.working_set_bytes, std::move(folder)};
 }
 
