@@ -40,7 +40,8 @@ void add_simulate_inertial_command(CLI::App& app, Context& context) {
       app, context, "simulate-inertial",
       "Give a recording with truth what an inertial sensor would have felt (imu.txt)",
       "roomwise simulate-inertial walk --seed 7", run);
-  command->add_option("RECORDING", options.recording, "Folder with groundtruth.txt")->required();
+  command->add_option("RECORDING", options.recording, "Folder with groundtruth.txt, whose z is up")
+      ->required();
   add_setting(*command, "--rate", options.sensor.rate_hz, "Samples a second",
               CLI::Range(1.0, 10'000.0));
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <sstream>
 
 #include "roomwise/base/file.h"
@@ -37,6 +38,14 @@ double median_force(const std::vector<InertialSample>& samples) {
   const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
   std::ranges::nth_element(lengths, middle);
   return *middle;
+}
+
+// Rather than up or aside, all in all: some sensors tell what gravity pulls at, not what holds
+// them.
+bool points_down(const std::vector<InertialSample>& samples) {
+  Vector3d sum = Vector3d::Zero();
+  for (const InertialSample& one : samples) sum += one.force_m_s2;
+  return sum.y() > std::hypot(sum.x(), sum.z());
 }
 
 Expected<Quaterniond> parse_rotation(std::string_view numbers) {
@@ -146,6 +155,13 @@ geometry::InertialTrack InertialSamples::finish(std::vector<std::string>& notes)
         "{}: forces are {:.3g} m/s^2 in the median, gravity is 9.8: the inertial sensor is left "
         "out; write m/s^2 or g, with gravity",
         name_, median));
+    return {};
+  }
+  if (points_down(samples_)) {
+    notes.push_back(fmt::format(
+        "{}: forces point down in the pictures, where at rest they must point up: the inertial "
+        "sensor is left out; turn their sign, or the pictures of a camera that was upside down",
+        name_));
     return {};
   }
   const auto too_fast = std::ranges::find_if(samples_, [](const InertialSample& one) {

@@ -39,10 +39,10 @@ TEST_F(InertialFile, SamplesAreInTheCamerasFrame) {
 
 TEST_F(InertialFile, ASensorMayBeTurnedToTheCamera) {
   // Its x is the camera's y.
-  const auto track = read("# camera_from_imu 0 0 0.70710678 0.70710678\n0 0.5 0 0 9.8 0 0\n");
+  const auto track = read("# camera_from_imu 0 0 0.70710678 0.70710678\n0 0.5 0 0 -9.8 0 0\n");
   ASSERT_THAT(track.samples(), SizeIs(1));
   EXPECT_LT((track.samples()[0].turning_rad_s - Vector3d(0, 0.5, 0)).norm(), 1e-7);
-  EXPECT_LT((track.samples()[0].force_m_s2 - Vector3d(0, 9.8, 0)).norm(), 1e-6);
+  EXPECT_LT((track.samples()[0].force_m_s2 - Vector3d(0, -9.8, 0)).norm(), 1e-6);
 
   EXPECT_TRUE(read("# camera_from_imu 0 0 1\n0 0 0 0 9.8 0 0\n").empty());
   EXPECT_THAT(notes_, ElementsAre(HasSubstr("imu.txt: line 1: '0 0 1' is no rotation")));
@@ -88,6 +88,15 @@ TEST_F(InertialFile, UnitsThatCannotBeAreLeftOut) {
   EXPECT_FALSE(in_degrees.empty());
   EXPECT_FALSE(in_degrees.tells_turns());
   EXPECT_THAT(notes_, ElementsAre(HasSubstr("degrees")));
+}
+
+TEST_F(InertialFile, ForcesOfTheOtherSignAreLeftOutAndACameraOnItsSideIsNot) {
+  EXPECT_TRUE(read("0 0 0 0 0 9.8 1\n0.01 0 0 0 1 9.8 0\n").empty());
+  EXPECT_THAT(notes_, ElementsAre(HasSubstr("turn their sign")));
+  for (const char* force : {"9.8 0 0", "-9.8 1 0", "0 2 9.6", "0 -3 -9.4"}) {
+    EXPECT_FALSE(read(std::string("0 0 0 0 ") + force + "\n").empty()) << force;
+    EXPECT_THAT(notes_, IsEmpty()) << force;
+  }
 }
 
 TEST_F(InertialFile, ThereMayBeNone) {

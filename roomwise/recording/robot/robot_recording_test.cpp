@@ -221,7 +221,7 @@ TEST_F(RobotTest, AnInertialSensorIsReadInTheCamerasFrame) {
     log.info("/camera/camera_info", "color");
     log.color("/camera/rgb", kStart, "color").depth("/camera/depth", kStart, "color");
     const Eigen::Quaterniond quarter(
-        Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ()));
+        Eigen::AngleAxisd(-std::numbers::pi / 2, Eigen::Vector3d::UnitZ()));
     const TransformMessage turned{{kStart, "color"}, "imu", {quarter, {0.1, 0, 0}}};
     if (is_connected) {
       log.add("/tf_static", "tf2_msgs/TFMessage", kStart,
@@ -238,7 +238,7 @@ TEST_F(RobotTest, AnInertialSensorIsReadInTheCamerasFrame) {
     ASSERT_THAT(felt.samples(), SizeIs(3));
     EXPECT_TRUE(felt.tells_turns());
     const Eigen::Vector3d expected =
-        is_connected ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();
+        is_connected ? Eigen::Vector3d(0, -1, 0) : Eigen::Vector3d::UnitX();
     EXPECT_TRUE(felt.samples()[2].turning_rad_s.isApprox(0.5 * expected));
     EXPECT_TRUE(felt.samples()[2].force_m_s2.isApprox(9.8 * expected));
     EXPECT_EQ(std::ranges::count_if((*opened)->notes(),
