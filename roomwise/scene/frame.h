@@ -20,8 +20,8 @@ struct FramePlace {
 // What mapping made of the device's own motion up to a frame, from the one before.
 enum class MotionUse {
   kTaken,    // expected, and not contradicted by the pictures
-  kDropped,  // it jumped: the pictures say otherwise, or nobody moves so fast
-  kAlone,    // the pictures say nothing: the frame's place is from it alone
+  kDropped,  // the pictures say otherwise, or nobody moves so fast: it jumped, or does not fit
+  kAlone,    // the pictures say nothing or leave it open: the frame's place is from it alone
 };
 
 struct FrameMotion {

@@ -45,6 +45,20 @@ class MiddleFinder final : public testing::FakeFinder {
   }
 };
 
+// Stops as a user does, after so many frames.
+class InterruptAfter final : public Progress {
+ public:
+  explicit InterruptAfter(std::uint64_t frames) : frames_(frames) {}
+  void begin(std::string_view, std::optional<std::uint64_t>) override {}
+  void advance(std::uint64_t done, std::string_view) override { done_ = done; }
+  void end() override {}
+  [[nodiscard]] bool interrupted() const override { return done_ >= frames_; }
+
+ private:
+  std::uint64_t frames_;
+  std::uint64_t done_ = 0;
+};
+
 class MapRecording : public ::testing::Test {
  protected:
   static constexpr int kFrames = 45;
@@ -70,6 +84,22 @@ class MapRecording : public ::testing::Test {
   void SetUp() override { finders_.in_pictures.push_back(std::make_unique<MiddleFinder>()); }
   static std::string digest(const std::filesystem::path& file) {
     return home::Home::open_read_only(file)->content_digest().value();
+  }
+  // A walk that is mapped in two runs, the first stopped after some frames, and one that is mapped
+  // without a break.
+  template <typename Walk>
+  void expect_alike_where_stopped() {
+    Walk whole(kFrames);
+    ASSERT_OK(map(folder_ / "whole.home", whole, 2));
+    for (const std::uint64_t stop : {12U, 23U, 30U}) {
+      const auto file = folder_ / fmt::format("{}.home", stop);
+      Walk first(kFrames);
+      InterruptAfter interrupt(stop);
+      ASSERT_OK(map(file, first, 2, &interrupt));
+      Walk second(kFrames);
+      ASSERT_OK(map(file, second, 2));
+      EXPECT_EQ(digest(file), digest(folder_ / "whole.home")) << stop;
+    }
   }
 
   roomwise::testing::ScratchFolder folder_;
@@ -221,20 +251,6 @@ TEST_F(MapRecording, WhereNothingIsHeldUprightNoNormalsAreWorkedOut) {
   }
 }
 
-// Stops as a user does, after so many frames.
-class InterruptAfter final : public Progress {
- public:
-  explicit InterruptAfter(std::uint64_t frames) : frames_(frames) {}
-  void begin(std::string_view, std::optional<std::uint64_t>) override {}
-  void advance(std::uint64_t done, std::string_view) override { done_ = done; }
-  void end() override {}
-  [[nodiscard]] bool interrupted() const override { return done_ >= frames_; }
-
- private:
-  std::uint64_t frames_;
-  std::uint64_t done_ = 0;
-};
-
 TEST_F(MapRecording, InterruptedAndResumedEndsAsIfNeverStopped) {
   SyntheticWalk whole(kFrames);
   ASSERT_OK(map(folder_ / "whole.home", whole, 2));
@@ -313,17 +329,7 @@ TEST_F(MapRecording, LeavesTheDevicesMotionAsideWhenToldTo) {
 }
 
 TEST_F(MapRecording, InterruptedWhereTheDeviceCarriesItEndsAsIfNeverStopped) {
-  WalkOfADevice whole(kFrames);
-  ASSERT_OK(map(folder_ / "whole.home", whole, 2));
-  for (const std::uint64_t stop : {12U, 23U, 30U}) {
-    const auto file = folder_ / fmt::format("{}.home", stop);
-    WalkOfADevice first(kFrames);
-    InterruptAfter interrupt(stop);
-    ASSERT_OK(map(file, first, 2, &interrupt));
-    WalkOfADevice second(kFrames);
-    ASSERT_OK(map(file, second, 2));
-    EXPECT_EQ(digest(file), digest(folder_ / "whole.home")) << stop;
-  }
+  expect_alike_where_stopped<WalkOfADevice>();
 }
 
 // What an inertial sensor feels along that walk, which turns evenly from frame to frame, with a
@@ -386,17 +392,7 @@ TEST_F(MapRecording, AnInertialSensorTellsTurnsAndUp) {
 
 TEST_F(MapRecording, InterruptedWhereTurnsCarryItEndsAsIfNeverStopped) {
   inertial_ = felt_along(SyntheticWalk(kFrames));
-  DarkWalk whole(kFrames);
-  ASSERT_OK(map(folder_ / "whole.home", whole, 2));
-  for (const std::uint64_t stop : {12U, 23U, 30U}) {
-    const auto file = folder_ / fmt::format("{}.home", stop);
-    DarkWalk first(kFrames);
-    InterruptAfter interrupt(stop);
-    ASSERT_OK(map(file, first, 2, &interrupt));
-    DarkWalk second(kFrames);
-    ASSERT_OK(map(file, second, 2));
-    EXPECT_EQ(digest(file), digest(folder_ / "whole.home")) << stop;
-  }
+  expect_alike_where_stopped<DarkWalk>();
 }
 
 // Plays a walk to and fro, the frames numbered on.
